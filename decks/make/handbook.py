@@ -15,10 +15,11 @@ from textwrap import fill
 import handbook_beams
 import handbook_elastic
 import handbook_metal
+import handbook_more
 import handbook_rubbing
 
 FOLDER = Path(__file__).resolve().parents[1]/"handbook"
-MODULES = (handbook_elastic, handbook_beams, handbook_rubbing, handbook_metal)
+MODULES = (handbook_elastic, handbook_beams, handbook_rubbing, handbook_metal, handbook_more)
 PROBLEMS = {f.__name__: f for module in MODULES for f in module.PROBLEMS}
 
 

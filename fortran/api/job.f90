@@ -99,7 +99,7 @@ contains
    subroutine run_job(self, deck, model, outcome, error)
       type(job_type), intent(in) :: self
       type(deck_type), intent(in) :: deck       !! names the files of messages
-      type(model_type), intent(in) :: model
+      type(model_type), intent(inout) :: model
       type(outcome_type), intent(inout) :: outcome
       type(error_type), allocatable, intent(out) :: error
       type(running_type) :: running
@@ -118,7 +118,7 @@ contains
       type(job_type), intent(in) :: self
       type(running_type), intent(inout) :: running
       type(deck_type), intent(in) :: deck       !! names the files of messages
-      type(model_type), intent(in) :: model
+      type(model_type), intent(inout) :: model
       type(outcome_type), intent(inout) :: outcome
       type(error_type), allocatable, intent(out) :: error
       type(stream_type), intent(inout), optional :: state
@@ -187,7 +187,7 @@ contains
    subroutine forget_job(self, running, model, outcome, error)
       type(job_type), intent(in) :: self
       type(running_type), intent(inout) :: running
-      type(model_type), intent(in) :: model
+      type(model_type), intent(inout) :: model
       type(outcome_type), intent(inout) :: outcome
       type(error_type), allocatable, intent(out) :: error
 

@@ -39,7 +39,9 @@ contains
             slave = size_of(model, cell, pair%slave, pair%master)
             master = size_of(model, cell, pair%master, pair%slave)
             if (.not. (slave > 0.0_wp .and. master > 0.0_wp)) cycle
-            n = merge(2, 1, pair%surface_to_surface)
+            ! What says no TYPE may go surface to surface in linear scenes of the plane.
+            n = merge(2, 1, pair%surface_to_surface .or. (pair%open .and. model%mesh%ndim == 2 &
+               & .and. .not. any(model%step%nlgeom)))
             if (master > finer*slave) then
                call model%log%say(severity%note, 'N0367', 'facets of slave '// &
                   & model%surface(pair%slave)%name//' are '//to_text(master/slave, 2)// &

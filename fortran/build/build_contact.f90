@@ -182,6 +182,8 @@ contains
       call get_word(block, 'TYPE', word, at, found)
       pair%surface_to_surface = pair%tied
       if (found) pair%surface_to_surface = word /= 'NODE TO SURFACE'
+      pair%open = .not. (found .or. pair%tied .or. has_parameter(block, 'SMOOTH') &
+         & .or. has_parameter(block, 'EXTENSION ZONE'))
       call get_word(block, 'SMOOTH', word, at, found)
       if (found) pair%smooth = word == 'YES'
       if (pair%smooth .and. pair%surface_to_surface) call model%log%say(severity%note, 'N0304', &

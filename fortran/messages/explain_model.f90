@@ -234,6 +234,12 @@ contains
          & 'as a whole are right.', &
          & 'TYPE=SURFACE TO SURFACE is exact there; or take the softer side, with facets at '// &
          & 'most half as long, as the slave.')
+      call add_explanation(list, 'N0347', 'a pair that says no TYPE is carried out surface to '// &
+         & 'surface', 'At the nodes its facets, which do not match, would make a uniform '// &
+         & 'pressure uneven by the figure that is said (W0333). In linear scenes of the plane '// &
+         & 'surface to surface costs no more and is exact there, so it is taken where the deck '// &
+         & 'leaves the choice open: no TYPE, SMOOTH or EXTENSION ZONE.', &
+         & 'TYPE=NODE TO SURFACE where contact at the nodes is meant.')
       call add_explanation(list, 'W0341', 'chords beside an interference or a gap', &
          & 'Facets that do not match cut an arc at different places: their gaps differ by the '// &
          & 'sag of a facet, its length times the angle between facets over eight. Beside a '// &

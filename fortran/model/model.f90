@@ -150,6 +150,7 @@ module lopin_model
       integer :: before = 0   !! the pair whose behaviour it changes: this one goes on from it
       integer :: first_step = 1, last_step = huge(1)    !! steps in which it can act
       logical :: surface_to_surface = .false.   !! dual mortar instead of node to segment
+      logical :: open = .false.   !! the deck does not say which of the two
       logical :: smooth = .false.               !! normals interpolated from averaged nodal ones
       logical :: small_sliding = .false.
       logical :: tied = .false.

@@ -139,7 +139,7 @@ class Model:
             master without strain; "yes": only those that penetrate
         clearance : one value in place of all initial gaps; negative is an overclosure [length]
         surface_to_surface : dual mortar, exact for uniform pressure on meshes that do not match;
-            unless told, tied surfaces have it
+            unless told, tied surfaces have it, and others where the plan of the run chooses it
         smooth : curve linear facets of the master by averaged normals
         extension : of open master edges, fraction of a facet, 0 to 0.2; 0.1 unless given
         initial : what an overclosure is: "error", "interference" or "adjust"
@@ -157,8 +157,8 @@ class Model:
                     friction_of(friction),
                     {"adjust": adjust, "small_sliding": small_sliding, "tied": tied,
                      "no_separation": no_separation, "clearance": clearance, "smooth": smooth,
-                     "surface_to_surface": tied if surface_to_surface is None
-                     else surface_to_surface, "extension": extension, "initial": initial})
+                     "surface_to_surface": surface_to_surface, "extension": extension,
+                     "initial": initial})
         self.contacts.append(pair)
         return pair
 

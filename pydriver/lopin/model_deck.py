@@ -13,6 +13,10 @@ from .step import Load, Request, Step
 if TYPE_CHECKING:
     from .model import Model
 
+#: TYPE by `surface_to_surface`; not told: tied pairs are surface to surface, the plan of the run
+#: chooses for others.
+_FORMULATIONS = {True: "SURFACE TO SURFACE", False: "NODE TO SURFACE", None: None}
+
 
 def write_model(model: Model) -> Deck:
     """The deck of a model; numbers are written so that they read back to the same bits."""
@@ -101,7 +105,7 @@ def _write_contact(deck: Deck, contact: Pair) -> None:
         contact.friction.add_to(deck)
     adjust = options["adjust"]
     deck.add("CONTACT PAIR", [[contact.slave, contact.master]], interaction=contact.interaction,
-             type="SURFACE TO SURFACE" if options["surface_to_surface"] else "NODE TO SURFACE",
+             type=_FORMULATIONS[options["surface_to_surface"]],
              adjust=adjust.upper() if adjust in ("yes", "no") else adjust,
              small_sliding=options["small_sliding"], tied=options["tied"],
              smooth="YES" if options["smooth"] else None, extension_zone=options["extension"])

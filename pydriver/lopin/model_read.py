@@ -137,7 +137,7 @@ class _Reader:
         tied = bool(card.take("TIED"))
         options = {"adjust": adjust.lower() if str(adjust).upper() in ("YES", "NO") else adjust,
                    "small_sliding": bool(card.take("SMALL SLIDING")), "tied": tied,
-                   "surface_to_surface": kind != "NODE TO SURFACE" if kind else tied,
+                   "surface_to_surface": kind != "NODE TO SURFACE" if kind else None,
                    "smooth": str(card.take("SMOOTH", "NO")).upper() == "YES",
                    "extension": card.number("EXTENSION ZONE")}
         self.pairs.append((card.take("INTERACTION").upper(), card.rows, options))

@@ -199,7 +199,7 @@ contains
    end subroutine build
 
    subroutine run(model, frame)
-      type(model_type), intent(in) :: model
+      type(model_type), intent(inout) :: model
       type(frame_type), intent(out) :: frame
       type(recorder_holder_type) :: recorders(1)
       type(error_type), allocatable :: error

@@ -104,7 +104,8 @@ def test_a_limit_says_what_would_meet_it():
 
 def test_increments_are_halved_where_the_way_matters():
     found = reach(DECKS/"upsetting.inp", Quantity("FORCE"), 0.02)
-    assert found.met and 0.0 < found.increments <= 0.4*0.02
+    # 0.4 of what is asked on the first mesh, more on finer ones.
+    assert found.met and 0.0 < found.increments <= 0.6*0.02
     halved = [v for v in found.levels if v.mesh == 0]
     assert [v.increments for v in halved] == [1.0, 0.5, 0.25][:len(halved)] and len(halved) > 2
     # Finer meshes have the longest of these that leaves room.
@@ -121,8 +122,8 @@ def test_who_depends_on_the_way():
 
 def test_what_increments_leave_by_the_order_of_their_fall():
     assert left_by_increments([8.0, 4.0, 2.0]) == [16.0, 8.0, 4.0, 2.0]
-    assert left_by_increments([16.0, 4.0])[-1] == pytest.approx(4.0/3.0)
-    assert left_by_increments([64.0, 4.0])[-1] == pytest.approx(4.0/3.0)   # no more than order 2
+    assert left_by_increments([16.0, 4.0])[-1] == 4.0   # faster than by half is a chance
+    assert left_by_increments([64.0, 4.0], 4.0)[-1] == pytest.approx(4.0/3.0)   # at the least
     assert left_by_increments([4.0, -3.0])[-1] == 3.0                      # to and fro
     assert left_by_increments([1.0, 3.0])[-1] == 3.0                       # none yet
 
@@ -272,7 +273,7 @@ def test_increments_leave_more_on_a_finer_mesh():
     """A ring, by halves of increments on four meshes: 330, 450 and 620 N of 240 600 are left on
     meshes 0, 1 and 2 in increments of the deck, and 330 was said of all."""
     settled = Settled.of([1.0, 0.5, 0.25], [-196.0, -68.0], 0, True)
-    assert settled.most == pytest.approx(301.0, abs=2.0) and settled.sign == -1.0
+    assert settled.most == pytest.approx(332.0, abs=2.0) and settled.sign == -1.0
     search = asked_by([-240677.0, -240332.0, -240067.0], settled)
     assert 240600.0*search.found.increments == pytest.approx(2.0*settled.most, rel=3e-3)
     # What increments of an eighth leave, which were not tried, is half of those of a quarter.

@@ -102,7 +102,10 @@ def test_the_rigid_master_has_nearly_the_same_answer(solve):
     assert abs(forces[1]/forces[0] - 1.0) < 2.0/500.0
 
 
-def rounded_block(lower, upper):
+NODES = ", TYPE=NODE TO SURFACE"
+
+
+def rounded_block(lower, upper, kind=""):
     """A block of so many cells on a rounded one of so many, both elastic."""
     lines = Lines()
     lines.add("*HEADING", "rounded", "*MATERIAL, NAME=M", "*ELASTIC", "1000., 0.3")
@@ -112,25 +115,29 @@ def rounded_block(lower, upper):
     mesh.points[:, 1] = y + x**2/40.0*(1.0 - y/6.0)
     lines.mesh(mesh, "CPE4", "B")
     lines.add("*SOLID SECTION, ELSET=AE, MATERIAL=M", "*SOLID SECTION, ELSET=BE, MATERIAL=M",
-              "*SURFACE INTERACTION, NAME=I", "*CONTACT PAIR, INTERACTION=I", "ASTOP, BSBOTTOM",
-              "*BOUNDARY", "ALEFT, 1", "BLEFT, 1", "ABOTTOM, 2", "BTOP, 2, 2, -0.3", "*STEP",
+              "*SURFACE INTERACTION, NAME=I", "*CONTACT PAIR, INTERACTION=I" + kind,
+              "ASTOP, BSBOTTOM", "*BOUNDARY", "ALEFT, 1", "BLEFT, 1", "ABOTTOM, 2", "BTOP, 2, 2, -0.3", "*STEP",
               "*STATIC", "*END STEP")
     return Deck.parse("\n".join(lines.text) + "\n", name="rounded")
 
 
-@pytest.mark.parametrize("lower, upper, due", [
-    (64, 16, "small"), (40, 16, ""), (16, 16, ""), (20, 24, ""), (12, 24, "large")])
-def test_slaves_much_finer_or_coarser_than_their_masters(lower, upper, due):
-    notes = said(rounded_block(lower, upper), "N0367")
+@pytest.mark.parametrize("lower, upper, due, kind", [
+    (64, 16, "small", ""), (40, 16, "", ""), (16, 16, "", ""), (20, 24, "", NODES),
+    (12, 24, "large", NODES), (12, 24, "", ""), (6, 24, "large", "")])
+def test_slaves_much_finer_or_coarser_than_their_masters(lower, upper, due, kind):
+    """Surface to surface, which a pair that says nothing is here, may be twice as coarse."""
+    notes = said(rounded_block(lower, upper, kind), "N0367")
     assert len(notes) == bool(due) and all(f"times as {due} as" in n["message"] for n in notes)
 
 
 def test_a_coarse_slave_misses_force_that_its_exchange_has(solve):
-    """As the advice says: 12 facets on 24 are 5 % off where 24 on 12 are within 1.5."""
+    """As the advice says: 12 facets on 24 are 5 % off at the nodes where 24 on 12 are within 1.5,
+    and within .5 % where the deck leaves it open."""
     forces = [np.abs(np.sum(solve(deck).contact(0).last.force, axis=0)).max() for deck in (
-        rounded_block(12, 24), exchanged(rounded_block(12, 24)), rounded_block(48, 48))]
-    errors = np.abs(np.array(forces[:2])/forces[2] - 1.0)
-    assert errors[0] > 0.03 and errors[1] < 0.02
+        rounded_block(12, 24, NODES), exchanged(rounded_block(12, 24, NODES)),
+        rounded_block(12, 24), rounded_block(48, 48))]
+    errors = np.abs(np.array(forces[:3])/forces[3] - 1.0)
+    assert errors[0] > 0.03 and errors[1] < 0.02 and errors[2] < 0.005
 
 
 def exchanged(deck):

@@ -10,7 +10,7 @@ def field(result, index=-1):
     c = result.contact().at(index)
     order = np.argsort(c.x[:, 0])
     n, w = np.asarray(c["NORMAL"])[order], np.asarray(c["WEIGHT"]).ravel()[order]
-    f = np.asarray(c["force"])[order]/w[:, None]
+    f = np.asarray(c["force"])[order]/np.where(w > 0.0, w, np.inf)[:, None]
     p = (f*n).sum(axis=1)
     return c.x[order, 0], np.asarray(c.status).ravel()[order], (f - p[:, None]*n)[:, 0], p
 

@@ -6,9 +6,11 @@ import subprocess
 import numpy as np
 import pytest
 
+import lopin
 from lopin import mesh_make
 from lopin.atlas.blocks import PRESSURE, Scene, pressed_deck
 from lopin.atlas.scenes import Frame
+from lopin.deck import Deck
 from lopin.laws import Elastic
 from lopin.mesh import together
 from lopin.model import Model
@@ -93,6 +95,51 @@ def test_it_does_so_on_a_wider_master_whose_ends_are_pressed_too(solve, tmp_path
     end = history.last if word.startswith("CAX") else history.at(0)
     true, said = abs(end.pressure/PRESSURE - 1.0).max(), deviation(run(deck, tmp_path))
     assert true*2/3 < said < true*1.5 or true < 0.03 and said == 0.0
+
+
+def free(deck):
+    """The deck, its pair without TYPE."""
+    return Deck.parse(re.sub(r", TYPE=(NODE|SURFACE) TO SURFACE", "", deck.text()), "free")
+
+
+@pytest.mark.parametrize("kind, slave, master", [("CPE4", 7, 4), ("CAX4", 3, 4), ("CPE3", 9, 4)])
+def test_a_pair_that_says_nothing_is_surface_to_surface_there(solve, tmp_path, kind, slave,
+                                                              master):
+    """Exact where the nodes are off by what W0333 says, in any units; the plan says so."""
+    deck = pressed(kind, slave, master, 1.0, 0.0, 1e3)
+    at_nodes, said = pressures(solve, deck, tmp_path), run(free(deck), tmp_path)
+    found = pressures(solve, free(deck), tmp_path)*1e3
+    assert abs(at_nodes*1e3/LOAD - 1.0).max() > 0.02 and abs(found/LOAD - 1.0).max() < 1e-6
+    assert "N0347" in said and "W0333" not in said
+    assert "; surface to surface where facets do not match" in said
+
+
+@pytest.mark.parametrize("change", [
+    lambda text: text.replace("*STEP", "*STEP, NLGEOM", 1),
+    lambda text: text.replace("*CONTACT PAIR,", "*CONTACT PAIR, EXTENSION ZONE=0.1,"),
+    lambda text: text.replace("*CONTACT PAIR,", "*CONTACT PAIR, SMOOTH=YES,")])
+def test_it_is_at_the_nodes_where_the_deck_has_a_say_or_bodies_move_far(tmp_path, change):
+    text = change(free(pressed("CPE4", 7, 4, 1.0)).text())
+    said = run(Deck.parse(text, "free"), tmp_path)
+    assert "N0347" not in said and "W0333" in said
+
+
+def test_facets_that_match_stay_at_the_nodes(solve, tmp_path):
+    deck = pressed("CPE4", 8, 4, 1.0)
+    assert (pressures(solve, deck, tmp_path) == pressures(solve, free(deck), tmp_path)).all()
+    assert "N0347" not in run(free(deck), tmp_path)
+
+
+def test_check_chooses_and_a_run_goes_on_to_the_same_bits(tmp_path):
+    path = free(pressed("CPE4", 7, 4, 1.0)).write(tmp_path/"free.inp")
+    done = subprocess.run([find_executable(), "check", path], capture_output=True, text=True,
+                          check=False)
+    assert done.returncode == 0 and "N0347" in done.stdout + done.stderr
+    with lopin.open(path) as running:
+        while running.advance():
+            running.forget_workspace()
+        last = running.result
+    assert (last.contact(0).last.pressure == lopin.run(path).contact(0).last.pressure).all()
 
 
 def test_the_figure_turns_with_the_scene(tmp_path):

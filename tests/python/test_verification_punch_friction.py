@@ -44,7 +44,7 @@ BESIDE = {24.1823: 0.1318213, 32.2768: 0.1304848, 38.5: 0.1291959, 44.5: 0.09491
 def test_a_punch_with_a_rounded_edge(solve, sheet, root):
     case = "C2 NAFEMS 2: punch with a rounded edge"
     text = (root/"decks"/"nafems_punch.inp").read_text(encoding="utf-8")
-    result = solve(lopin.Deck.parse(text, "punch", root/"decks"))
+    result = lopin.run(lopin.Deck.parse(text, "punch", root/"decks"))
     x, status, q, p = field(result)
     sheet.compare(case, "mu = 0.1: stress in the middle", result["S"][2585, 1], -88.66524, 0.03,
                   "code_aster")

@@ -9,7 +9,6 @@
 module lopin_neutral_motion
    use lopin_kinds, only : wp
    use lopin_error, only : error_type
-   use lopin_text, only : to_text
    use lopin_stream, only : stream_type
    use lopin_model, only : model_type
    use lopin_csc, only : csc_type
@@ -21,6 +20,7 @@ module lopin_neutral_motion
    use lopin_pseudo_transient, only : set_metric
    use lopin_repeated_messages, only : warn_once
    use lopin_scene, only : scene_type
+   use lopin_text, only : to_text
    implicit none
    private
    public :: neutral_type, find_neutral_motion, tell_neutral_motion

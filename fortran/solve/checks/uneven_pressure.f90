@@ -24,7 +24,7 @@ module lopin_uneven_pressure
    use lopin_uniform_pressure, only : share_pressure
    implicit none
    private
-   public :: warn_of_uneven_pressure
+   public :: warn_of_uneven_pressure, unevenness, noticeable, all_of_it
 
    !> Unevenness that is said; more than this may open the contact.
    real(wp), parameter :: noticeable = 0.02_wp, all_of_it = 1.0_wp
@@ -39,19 +39,42 @@ contains
    subroutine warn_of_uneven_pressure(scene, model)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
+      real(wp) :: uneven(size(model%pair))
+      integer :: pair
+
+      uneven = unevenness(scene, model, spread(.true., 1, size(model%pair)))
+      do pair = 1, size(model%pair)
+         if (.not. uneven(pair) > noticeable) cycle
+         associate (p => model%pair(pair))
+            call scene%log%say(severity%warning, 'W0333', 'pair ('//model%surface(p%slave)%name// &
+               & ', '//model%surface(p%master)%name// &
+               & '): facets that do not match make the pressure uneven by about '// &
+               & to_text(100.0_wp*min(uneven(pair), all_of_it), 2)//' %', p%at, help= &
+               & 'TYPE=SURFACE TO SURFACE; or the softer side with the shorter facets as slave')
+         end associate
+      end do
+   end subroutine warn_of_uneven_pressure
+
+   !> Largest deviation of a slave node's pressure from the mean; 0 where facets match, where
+   !> contact is not at the nodes of a mesh on another, and of what is not wanted.
+   function unevenness(scene, model, wanted) result(uneven)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      logical, intent(in) :: wanted(:)             !! (pairs)
+      real(wp) :: uneven(size(model%pair))
       type(constraints_type) :: constraints
       type(cell_type), allocatable :: cells(:)
       type(surface_type) :: slave, master
       type(error_type), allocatable :: error
-      real(wp) :: uneven
       integer :: pair
 
+      uneven = 0.0_wp
       do pair = 1, size(model%pair)
-         associate (p => model%pair(pair), s => model%surface(model%pair(pair)%slave), &
-            & m => model%surface(model%pair(pair)%master), first => scene%points%first(pair), &
+         associate (p => model%pair(pair), first => scene%points%first(pair), &
             & last => scene%points%first(pair + 1) - 1)
-            if (s%kind /= surface_of%faces .or. m%kind /= surface_of%faces) cycle
-            if (p%slave == p%master .or. is_mortar(model, p)) cycle
+            if (.not. wanted(pair) .or. p%slave == p%master .or. is_mortar(model, p)) cycle
+            if (any([model%surface(p%slave)%kind, model%surface(p%master)%kind] &
+               & /= surface_of%faces)) cycle
             if (.not. any(scene%points%facet(first:last) > 0)) cycle
             if (.not. allocated(cells)) call cells_of_words(model%element_word, cells)
             call shape_of(slave, model, cells, p%slave, error)
@@ -63,15 +86,10 @@ contains
             if (.not. allocated(constraints%first)) call new_constraints(constraints, model, &
                & scene%dofs, model%step(1), error)
             if (allocated(error)) return
-            uneven = deviation(scene, model, constraints, pair, slave, master)
-            if (.not. uneven > noticeable) cycle
-            call scene%log%say(severity%warning, 'W0333', 'pair ('//s%name//', '//m%name// &
-               & '): facets that do not match make the pressure uneven by about '// &
-               & to_text(100.0_wp*min(uneven, all_of_it), 2)//' %', p%at, help= &
-               & 'TYPE=SURFACE TO SURFACE; or the softer side with the shorter facets as slave')
+            uneven(pair) = deviation(scene, model, constraints, pair, slave, master)
          end associate
       end do
-   end subroutine warn_of_uneven_pressure
+   end function unevenness
 
    !> Every slave node lies over a node of the master, and these are all that lie between them.
    pure logical function are_matched(slave, master, facet, shape)

@@ -51,7 +51,7 @@ contains
    !> Run all steps. `log` gets the warnings of the run; `error` what ended it. With a store the
    !> state is kept after increments, and a run that was broken off resumes from it.
    subroutine run_analysis(model, recorders, clock, summary, log, error, store)
-      type(model_type), intent(in) :: model
+      type(model_type), intent(inout) :: model
       type(recorder_holder_type), intent(inout) :: recorders(:)
       type(clock_type), intent(in) :: clock              !! with the time spent so far
       type(summary_type), intent(out) :: summary
@@ -75,7 +75,7 @@ contains
    !> on from a state that the store found, or from `state`, of the same deck, in new files.
    subroutine open_run(self, model, recorders, clock, log, error, store, state)
       class(run_type), intent(inout) :: self
-      type(model_type), intent(in) :: model
+      type(model_type), intent(inout) :: model
       type(recorder_holder_type), intent(inout) :: recorders(:)
       type(clock_type), intent(in) :: clock              !! with the time spent so far
       type(log_type), intent(inout) :: log

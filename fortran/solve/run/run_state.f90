@@ -7,7 +7,8 @@ module lopin_run_state
    use lopin_model, only : model_type
    use lopin_recorder, only : recorder_holder_type
    use lopin_plan, only : plan_type, path_of
-   use lopin_scene, only : scene_type, new_scene
+   use lopin_scene, only : scene_type, new_scene, begin_scene
+   use lopin_settle_formulation, only : settle_formulation
    use lopin_uneven_pressure, only : warn_of_uneven_pressure
    use lopin_check_mesh, only : refuse_folded
    use lopin_contact_candidates, only : choose_candidates
@@ -51,14 +52,16 @@ contains
          & help='give a state that this version took out of the same deck')
    end subroutine run_state
 
-   !> What follows from the model alone.
+   !> What follows from the model alone, and how pairs are enforced whose deck does not say it.
    subroutine make_workspace(scene, model, plan, error)
       type(scene_type), intent(inout) :: scene
-      type(model_type), intent(in) :: model
-      type(plan_type), intent(in) :: plan
+      type(model_type), intent(inout) :: model
+      type(plan_type), intent(inout) :: plan
       type(error_type), allocatable, intent(out) :: error
 
       call new_scene(scene, model, error)
+      if (.not. allocated(error)) call settle_formulation(scene, model, plan, error)
+      if (.not. allocated(error)) call begin_scene(scene, model)
       scene%eliminates = plan%path == path_of%condensed
       call place_by_element(model%mesh, error)
       if (.not. allocated(error)) call warn_of_uneven_pressure(scene, model)
@@ -70,7 +73,7 @@ contains
    !> run goes on to the same bits, or something that evolves has a home outside the state.
    subroutine forget_workspace(self, model, error)
       class(run_type), intent(inout) :: self
-      type(model_type), intent(in) :: model
+      type(model_type), intent(inout) :: model
       type(error_type), allocatable, intent(out) :: error
       type(scene_type), allocatable :: old
       type(stream_type) :: kept, state

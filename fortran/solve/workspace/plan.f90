@@ -11,7 +11,7 @@ module lopin_plan
    use lopin_solver_factory, only : may_coarsen
    implicit none
    private
-   public :: plan_type, new_plan, plan_line, nonlinear_line, path_of
+   public :: plan_type, new_plan, plan_line, nonlinear_line, needs_nonlinear, path_of
 
    type :: paths
       integer :: condensed = 1, refactorised = 2, nonlinear = 3

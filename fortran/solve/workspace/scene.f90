@@ -37,8 +37,8 @@ module lopin_scene
    use lopin_watcher, only : watcher_type
    implicit none
    private
-   public :: scene_type, new_scene, set_supports, retained_equations, rebuild_rows
-   public :: follow_tools, stand_tools
+   public :: scene_type, new_scene, meet_surfaces, begin_scene, set_supports, retained_equations
+   public :: rebuild_rows, follow_tools, stand_tools
 
    !> The state of a run and its workspace. Many components: one object for each part of the
    !> algorithm (solids, rows, systems), grouped by how long it lives.
@@ -88,7 +88,8 @@ module lopin_scene
 
 contains
 
-   !> The workspace of a model before its first increment.
+   !> The workspace of a model before its first increment: bodies; `meet_surfaces` and `begin_scene`
+   !> follow.
    subroutine new_scene(self, model, error)
       type(scene_type), intent(inout) :: self
       type(model_type), intent(in) :: model
@@ -102,6 +103,14 @@ contains
       call assemble_stiffness(self%solids, model%mesh, self%k, error)
       if (allocated(error)) return
       call self%clock%stop_in(phase%assemble)
+   end subroutine new_scene
+
+   !> What touches what at the start.
+   subroutine meet_surfaces(self, model, error)
+      type(scene_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      type(error_type), allocatable, intent(out) :: error
+
       call new_contact_points(self%points, model, self%log, error)
       if (allocated(error)) return
       call new_skins(self%skin, model)
@@ -110,6 +119,13 @@ contains
       call report_chords(self%points, model, self%initial, self%log, error)
       if (allocated(error)) return
       call self%clock%stop_in(phase%search)
+   end subroutine meet_surfaces
+
+   !> The state before the first increment.
+   subroutine begin_scene(self, model)
+      type(scene_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+
       allocate (self%accepted%motion%u(self%dofs%n), self%guess(self%dofs%n), source=0.0_wp)
       allocate (self%place(6, size(model%rigid_body)), source=0.0_wp)
       call new_friction_history(self%accepted%friction, self%initial%touches)
@@ -120,7 +136,7 @@ contains
       allocate (self%accepted%solver%candidate(self%points%n), source=.true.)
       call begin(self%trial, self%accepted)
       call new_friction_tests(self%friction, self%points%n)
-   end subroutine new_scene
+   end subroutine begin_scene
 
    !> Constraints and floating motions of a step; `same` if they are those of the step before.
    subroutine set_supports(self, model, step, same, error)

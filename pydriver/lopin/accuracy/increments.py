@@ -42,18 +42,23 @@ def on_path(deck: Deck, path: str) -> Deck | None:
     return Deck(blocks, preamble=deck.preamble, name=deck.name, folder=deck.folder)
 
 
-def left_by_increments(changes: list[float]) -> list[float]:
+#: The fall of changes that is believed, as an implicit step leaves it; the fastest there may be.
+FALL, FASTEST = 2.0, 4.0
+
+
+def left_by_increments(changes: list[float], fall: float = FALL) -> list[float]:
     """What is left of the error in each of some runs in increments of half the length each time,
     by the changes from one to the next: the sum of those that follow, and of those to come. Theirs
-    fall as the last two did, by half at least and to a quarter at most; changes to and fro, or one
-    alone, are taken for as large as the last.
+    fall as the last two did, by half at least and by `fall` at most: to more than the half is a
+    chance, since the first run is of increments that grew as they liked, not of twice the length of
+    the next. Changes to and fro, or one alone, are taken for as large as the last.
 
     >>> left_by_increments([4.0]), left_by_increments([9.0, 3.0])
-    ([8.0, 4.0], [13.5, 4.5, 1.5])
+    ([8.0, 4.0], [15.0, 6.0, 3.0])
     """
     last = abs(changes[-1])
     if len(changes) > 1 and changes[-1]*changes[-2] > 0.0:
-        last /= min(max(changes[-2]/changes[-1], 2.0), 4.0) - 1.0
+        last /= min(max(changes[-2]/changes[-1], FALL), fall) - 1.0
     left = [last]
     for change in reversed(changes):
         left.insert(0, left[0] + abs(change))
@@ -80,9 +85,9 @@ class Settled:
     def of(cls, factors: list[float], changes: list[float], enough: int,
            signed: bool) -> Settled:
         """Of the run `enough` of those in increments of `factors`."""
-        left = left_by_increments(changes)
+        left, least = left_by_increments(changes), left_by_increments(changes, FASTEST)
         ordered = len(changes) > 1 and changes[-1]*changes[-2] > 0.0
-        return cls(left[enough], 0.5*left[enough] if ordered else 0.0,
+        return cls(left[enough], 0.5*least[enough] if ordered else 0.0,
                    math.copysign(1.0, changes[-1]) if signed and (ordered or len(changes) == 1)
                    else 0.0, dict(zip(factors, left)))
 

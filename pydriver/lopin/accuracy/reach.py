@@ -36,9 +36,11 @@ OF_INCREMENTS = 0.4
 #: On a finer mesh increments leave more: what they do, with each halving of the cells, as a power
 #: of two (the ring of docs/accuracy.md: 1.4 times), and the share from which they are made smaller.
 GROWS, MOST_OF_INCREMENTS = 0.5, 0.6
+#: Halvings of the increments that cost less than a finer mesh.
+SHORTER = 2
 #: Part of the change from mesh to mesh that a mesh may have gone beyond the limit.
 TOO_FAR = 0.5
-#: Shares of the error asked for that the shape of the start may take.
+#: Share of the error asked for that the shape of the start may take.
 OF_SLIDING = 0.8
 #: Share of their room below which the order of increments need not be known.
 PLAIN = 0.25
@@ -130,7 +132,8 @@ class _Search:
                 "of one tool by SET, or for another direction"
         if found.enforcement > found.target and not found.reason:
             found.reason = contact_alone(found)
-        self._slide(deck, *last)
+        if self._slide(deck, *last):
+            last = self.whole = self._solve(self.meshes.deck, number, 0)
         deck = self.meshes.deck
         if depends_on_path(deck) and not found.reason:
             last = self.whole = self._settle_increments(deck, last)
@@ -147,31 +150,39 @@ class _Search:
             if found.levels[-1].uniform:
                 self.whole = last
             self._estimate(_quadratic(deck))
+            if not found.reason and self._increments_alone():
+                last = self._shorten(deck, number)
             if found.reason or found.error <= found.target:
                 break
         self._write()
         return found
 
-    def _slide(self, deck: Deck, result: Result, value: float) -> None:
+    def _slide(self, deck: Deck, result: Result, value: float) -> bool:
         """One path for all meshes, where the plan would choose by the way that nodes slide beside
         their facets: contact on the shape at the start. What the present shape changes on the
-        first mesh is a part of the error."""
+        first mesh is a part of the error; where that is too much, contact follows it on all
+        meshes, but for pressures, whose area may be meant either way. Whether it does."""
         found = self.found
         paths = [on_path(deck, name) for name in ("CONDENSED", "FINITE")]
         if depends_on_path(deck) or result.summary.get("path") != "condensed" or None in paths \
                 or not result.pairs or found.reason:
-            return
+            return False
         begin = time.process_time()
         try:
             other = run(paths[1], **self.options)
         except LopinError:
-            return   # the deck's own path is what was asked for
+            return False   # the deck's own path is what was asked for
         apart = found.quantity.difference(other, result, (found.quantity.value(other, deck), value))
         found.written += time.process_time() - begin
         found.sliding = apart/max(abs(value), 1e-300)
-        self.meshes = Meshes(paths[0])
-        if found.sliding > OF_SLIDING*found.target:
-            found.reason = slides(found)
+        found.follows = found.sliding > OF_SLIDING*found.target
+        if found.follows and "PRESSURE" in found.quantity.kind:
+            found.follows, found.reason = False, slides(found)
+        self.meshes = Meshes(paths[found.follows])
+        if found.follows:
+            found.left_out, found.sliding = found.sliding, 0.0
+            found.levels[-1].given_up = True
+        return found.follows
 
     def _refine(self) -> bool:
         """A finer mesh: where the dual problem has the parts of the error, if it can be believed;
@@ -179,7 +190,7 @@ class _Search:
         found, meshes = self.found, self.meshes
         dims = 3 if found.in_space else 2
         limit = self.most or MOST[dims]
-        if self.estimate is not None and (len(found.levels) == 1 or found.by_dual):
+        if self.estimate is not None and (found.levels[-1].mesh == 0 or found.by_dual):
             room = found.target - found.besides
             most = np.abs(self.estimate.parts).sum()
             goal = min(OF_ROOM*room*abs(found.value), most/AT_LEAST)
@@ -318,6 +329,24 @@ class _Search:
         while self.settled and self._left(number) > MOST_OF_INCREMENTS*self.found.target:
             self.factor *= 0.5
         return self.factor < before
+
+    def _increments_alone(self) -> bool:
+        """Whether smaller increments on the same mesh would do: cheaper than a finer mesh."""
+        found = self.found
+        return bool(self.settled and found.target < found.error and found.error - found.increments
+                    + found.against + 0.5**SHORTER*found.increments <= found.target)
+
+    def _shorten(self, deck: Deck, number: int):
+        """Such a run; what the mesh leaves is what it did with the increments before."""
+        found, before = self.found, self.found.levels[-1]
+        while found.error > found.target:
+            self.factor *= 0.5
+            found.against, found.increments = 0.0, self._left(number)
+        before.given_up = True
+        last = self.whole = self._solve(deck, number, before.elements)
+        found.levels[-1].difference, found.levels[-1].change = before.difference, before.change
+        self._estimate(_quadratic(deck))
+        return last
 
     def _estimate(self, quadratic: bool) -> None:
         """The error of the mesh from the differences between meshes."""

@@ -39,6 +39,8 @@ class Reached:
     value : on the last mesh
     mesh, increments, enforcement, sliding : estimates of the parts of the relative error; the last
         is what contact on the present shape would change, where that at the start is solved
+    follows : contact follows the present shape on all meshes; `left_out` is what that at the start
+        would have been off by
     ripple : of a force that goes to and fro where it ends, half the swing; falls with the mesh
     against : what mesh and increments take from each other, since their errors differ in sign
     order : of the fall of the error with the size of cells; nan where two meshes were enough
@@ -60,6 +62,8 @@ class Reached:
     increments: float = 0.0
     enforcement: float = 0.0
     sliding: float = 0.0
+    follows: bool = False
+    left_out: float = 0.0
     ripple: float = 0.0
     against: float = 0.0
     uneven: float = 0.0
@@ -122,6 +126,9 @@ class Reached:
                         if self.ripple else "")
                      + (f", less {100.0*self.against:.2g} % since mesh and increments err in "
                         "opposite directions" if self.against else ""))
+        if self.follows:
+            lines.append("contact follows the present shape (path finite) on all meshes: that at "
+                         f"the start differs by {100.0*self.left_out:.2g} %")
         lines.append(f"cost: {self.cost:.2g} times the last run")
         lines += [f"warning: {line}" for line in self.warnings]
         if self.filled_in:
@@ -135,8 +142,8 @@ class Reached:
         """All of it but the result."""
         kept = {k: getattr(self, k) for k in (
             "target", "value", "error", "mesh", "increments", "enforcement", "sliding", "ripple",
-            "against", "order", "met", "filled_in", "reason", "cost", "uneven", "warnings",
-            "by_dual", "no_dual")}
+            "follows", "left_out", "against", "order", "met", "filled_in", "reason", "cost",
+            "uneven", "warnings", "by_dual", "no_dual")}
         kept["quantity"] = str(self.quantity)
         kept["runs"] = [vars(v) for v in self.levels]
         return json.dumps(kept, default=str).replace("NaN", "null")

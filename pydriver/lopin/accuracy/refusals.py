@@ -17,7 +17,8 @@ def contact_alone(found) -> str:
 
 
 def slides(found) -> str:
-    """What the path leaves out."""
+    """What the path leaves out, of a pressure: it may be that of the areas of the start or of the
+    present ones, which only the user knows."""
     return f"contact on the shape at the start, as path condensed has it, differs by " \
         f"{100.0*found.sliding:.2g} % from that on the present one: *LOPIN, PATH=FINITE follows " \
         "that on all meshes, PATH=CONDENSED asks for the shape at the start alone"

@@ -32,7 +32,7 @@ class Scene:
     slave: str
     master: str
     facets: tuple[int, int]
-    to_surface: bool = True     #: surface to surface, or node to surface
+    to_surface: bool | None = True   #: surface to surface, or node to surface; None: not told
     nlgeom: bool = False
     coulomb: bool = False       #: friction mu p, or a bound TAUMAX of the same size
     margin: float = 0.0         #: by what the master is wider at either end
@@ -115,11 +115,12 @@ class _Writer:
             self._master(m, wide[1], near, far)
         else:
             self._tool()
-        kind = "SURFACE TO SURFACE" if scene.to_surface else "NODE TO SURFACE"
+        kind = {True: ", TYPE=SURFACE TO SURFACE", False: ", TYPE=NODE TO SURFACE", None: ""}[
+            scene.to_surface if scene.master else None]
         master = f"LOWS{far}" if scene.master else "TOOL"
         self.lines += ["*SURFACE INTERACTION, NAME=I", "*SURFACE BEHAVIOR, DIRECT", "*FRICTION",
                        "0.,",
-                       "*CONTACT PAIR, INTERACTION=I" + (f", TYPE={kind}" if scene.master else ""),
+                       f"*CONTACT PAIR, INTERACTION=I{kind}",
                        f"UPS{near}, {master}", "*BOUNDARY", *self.held]
         step = ["*STEP, NLGEOM, INC=100" if scene.nlgeom else "*STEP, INC=100", "*STATIC, DIRECT",
                 "1., 1."]

@@ -25,12 +25,14 @@ WORDS = {"CPE3": "CPE8", "CPE4": "CPE6", "CPE6": "CPE4", "CPE8": "CPE3", "CPS4":
          "CPS8": "CPS4", "CAX3": "CAX8", "CAX4": "CAX6", "CAX6": "CAX4", "CAX8": "CAX3",
          "C3D4": "C3D20", "C3D6": "C3D10", "C3D8": "C3D15", "C3D10": "C3D8", "C3D15": "C3D4",
          "C3D20": "C3D10", "C3D20R": "C3D6"}
-#: What a slave meets: name, master (own or other word), surface to surface, friction of Coulomb,
-#: and by what the master is wider at either end.
+#: What a slave meets: name, master (own or other word), surface to surface (None: not told),
+#: friction of Coulomb, and by what the master is wider at either end.
 MASTERS = (("tool", "", True, False, 0.0), ("own, nodes", "own", False, False, 0.0),
            ("own, surface", "own", True, False, 0.0), ("own, Coulomb", "own", True, True, 0.0),
            ("wider, nodes", "own", False, False, 0.2), ("wider, surface", "own", True, False, 0.2),
-           ("other, surface", "other", True, False, 0.2))
+           ("other, surface", "other", True, False, 0.2),
+           ("own, as it comes", "own", None, False, 0.0),
+           ("wider, as it comes", "own", None, False, 0.2))
 LEVELS = [(f"{name}{', NLGEOM' if finite else ''}", *rest, finite)
           for name, *rest in MASTERS for finite in (False, True)]
 #: Under NLGEOM these meet the tool and their own word, surface to surface, only: seconds a solve.

@@ -21,7 +21,7 @@ APPROACH = 0.002
 
 
 @cache
-def blocks(ratio: float, stiffness: float, mortar: bool, frame: Frame) -> Deck:
+def blocks(ratio: float, stiffness: float, mortar: bool | None, frame: Frame) -> Deck:
     return flat(*FACETS[ratio], stiffness, frame, mortar, APPROACH)
 
 
@@ -32,7 +32,8 @@ class MeshMap:
     title = "Map 9: meshes that do not match; uniform pressure is the exact solution"
     labels = (r"$h_s/h_m$", r"$E_m/E_s$")
     colour, across = "error", 4
-    panels = tuple(f"{method}, {where}" for where in ("nodes", "mortar", "finite")
+    panels = tuple(f"{method}, {where}" for where in ("nodes", "mortar", "finite",
+                                                           "as it comes")
                    for method in ("lagrange", "penalty", "perturbed", "augmented"))
 
     def grid(self, panel: str, small: bool) -> tuple[NDArray, NDArray]:
@@ -47,7 +48,8 @@ class MeshMap:
         method, where = panel.split(", ")
         path = "finite" if where == "finite" else "condensed"
         ratio = min(FACETS, key=lambda known: abs(known - x))
-        return Setting(method, path).deck(blocks(ratio, y, where == "mortar", frame), 1.0)
+        mortar = None if where == "as it comes" else where == "mortar"
+        return Setting(method, path).deck(blocks(ratio, y, mortar, frame), 1.0)
 
     def solve(self, panel: str, x: float, y: float, frame: Frame = PLAIN) -> Outcome:
         """What happens in a cell."""

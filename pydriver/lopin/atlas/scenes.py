@@ -64,16 +64,16 @@ def crown(ratio: float, frame: Frame = PLAIN, cells: int = 10, mortar: bool = Fa
     return _pressed("crown", upper, lower, ratio, frame, mortar, depth)
 
 
-def flat(slave: int, master: int, ratio: float, frame: Frame = PLAIN, mortar: bool = False,
+def flat(slave: int, master: int, ratio: float, frame: Frame = PLAIN, mortar: bool | None = False,
          depth: float = 0.02) -> Deck:
     """Two blocks face to face, 1 wide, with so many facets; free sides, no Poisson effect: the
-    pressure is uniform, depth/(1 + 1/ratio)."""
+    pressure is uniform, depth/(1 + 1/ratio). `mortar`: None leaves it to the plan."""
     upper = _named(mesh_make.block((1.0, 0.5), (slave, max(2, slave//2))))
     lower = _named(mesh_make.block((1.0, 0.5), (master, max(2, master//2)), origin=(0.0, -0.5)))
     return _pressed("flat", upper, lower, ratio, frame, mortar, depth, poisson=0.0)
 
 
-def _pressed(name: str, upper: Mesh, lower: Mesh, ratio: float, frame: Frame, mortar: bool,
+def _pressed(name: str, upper: Mesh, lower: Mesh, ratio: float, frame: Frame, mortar: bool | None,
              depth: float, poisson: float = 0.3) -> Deck:
     """The top of the upper body moves down on the lower, whose bottom is held."""
     model = Model(name, frame.place(together(UP=upper, LOW=lower)), kind="plane strain")

@@ -1,0 +1,61 @@
+!> Pairs whose deck does not say how they are enforced, at the nodes or surface to surface.
+!>
+!> At the nodes is what a pair is that says nothing. Where its facets do not match, so that its
+!> pressure would be uneven, and surface to surface costs no more (linear scenes of the plane:
+!> docs/which-method.md), it is carried out surface to surface.
+module lopin_settle_formulation
+   use lopin_error, only : error_type, log_type, severity
+   use lopin_kinds, only : wp
+   use lopin_model, only : model_type
+   use lopin_plan, only : plan_type, needs_nonlinear
+   use lopin_scene, only : scene_type, meet_surfaces
+   use lopin_text, only : to_text
+   use lopin_uneven_pressure, only : unevenness, noticeable, all_of_it
+   implicit none
+   private
+   public :: settle_formulation
+
+contains
+
+   !> What touches what at the start, as the pairs say or, where they leave it open, as is chosen.
+   subroutine settle_formulation(scene, model, plan, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(inout) :: model
+      type(plan_type), intent(inout) :: plan
+      type(error_type), allocatable, intent(out) :: error
+      type(log_type) :: said
+      real(wp) :: uneven(size(model%pair))
+
+      said = scene%log
+      call meet_surfaces(scene, model, error)
+      if (allocated(error) .or. model%mesh%ndim /= 2) return
+      if (.not. any(model%pair%open .and. .not. model%pair%surface_to_surface)) return
+      if (needs_nonlinear(model)) return
+      uneven = unevenness(scene, model, model%pair%open)
+      if (.not. any(uneven > noticeable)) return
+      scene%log = said
+      call integrate(scene, model, uneven)
+      plan%reason = plan%reason//'; surface to surface where facets do not match'
+      call meet_surfaces(scene, model, error)
+   end subroutine settle_formulation
+
+   !> Take pairs surface to surface, and say so.
+   subroutine integrate(scene, model, uneven)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(inout) :: model
+      real(wp), intent(in) :: uneven(:)            !! (pairs)
+      integer :: pair
+
+      do pair = 1, size(model%pair)
+         if (.not. uneven(pair) > noticeable) cycle
+         associate (p => model%pair(pair))
+            p%surface_to_surface = .true.
+            call scene%log%say(severity%note, 'N0347', 'pair ('//model%surface(p%slave)%name// &
+               & ', '//model%surface(p%master)%name//'): facets that do not match would make '// &
+               & 'the pressure at its nodes uneven by about '//to_text(100.0_wp* &
+               & min(uneven(pair), all_of_it), 2)//' %: carried out surface to surface', p%at, &
+               & help='TYPE=NODE TO SURFACE where contact at the nodes is meant')
+         end associate
+      end do
+   end subroutine integrate
+end module lopin_settle_formulation
