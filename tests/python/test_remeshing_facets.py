@@ -13,7 +13,7 @@ from lopin.remesh.part import NewMesh
 from lopin.remesh.plane import corner_quality
 from lopin.remesh.report import Remesh, Report
 from lopin.remesh.space import narrowest_slot, volume_inside
-from lopin.remesh.spatial import ENOUGH, KEPT, references_of_facets, upright_moves
+from lopin.remesh.spatial import ENOUGH, KEPT, references, references_of_facets, upright_moves
 
 pytest.importorskip("mmgpy")
 
@@ -173,3 +173,15 @@ def test_facets_keep_the_references_that_the_mesher_tells():
     facets = np.array([[3, 1, 2], [0, 1, 2], [4, 5, 6]])
     told, of = np.array([[2, 1, 0], [1, 2, 3]]), np.array([7, 9])
     assert references_of_facets(facets, told, of).tolist() == [9, 7, -1]
+
+
+def test_around_a_spoilt_cell_pressed_and_free_faces_have_one_reference():
+    """The line between them would keep the cell in every new mesh."""
+    scene = deck("C3D4", np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]]),
+                 [[0, 1, 2, 3], [1, 2, 3, 4]], LEVEL, -1.0, law=NORTON)
+    body = read_body(DeckParts.of(scene), "B")
+    pressed = np.arange(len(body.x)) < 3
+    marks, of = references(body, body.x, pressed)
+    assert {push for _, push in marks} == {True, False} and len(of) == len(body.facets)
+    marks, _ = references(body, body.x*[1.0, 1.0, 0.02], pressed)
+    assert not any(push for _, push in marks)

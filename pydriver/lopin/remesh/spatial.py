@@ -19,6 +19,8 @@ from .transfer import PLASTIC, CellFields
 #: Share of the quality of its corners that a cell keeps as its nodes are put on the tools, and the
 #: quality from which on it may lose more.
 KEPT, ENOUGH = 0.3, 0.2
+#: Around cells of worse corners pressed and free faces have one reference.
+SPOILT = 0.1
 #: How often nodes of a cell that would lose more go back by half of their way; then all of it.
 HALVINGS = 4
 
@@ -103,9 +105,13 @@ def thickness(x: NDArray, facets: NDArray) -> tuple[NDArray, NDArray]:
 def references(body: Body, x: NDArray, pressed: NDArray) -> tuple[list, NDArray]:
     """Names and whether a tool presses, for each reference; the reference of each facet.
 
-    Pressed faces have references of their own: without one they would bulge.
+    Pressed faces have references of their own: without one they would bulge. Not so around a spoilt
+    cell: where a lip folds in behind the rim of contact, of a fraction of a cell, the line of the
+    rim would keep it in each new mesh.
     """
-    pushed = pressed[body.facets].all(axis=1)
+    cells = body.cells[0]
+    spoilt = np.unique(cells[corner_quality(x, cells) < SPOILT])
+    pushed = pressed[body.facets].all(axis=1) & ~np.isin(body.facets, spoilt).any(axis=1)
     marks, number = [], {}
     reference = np.zeros(len(body.facets), int)
     for k, (tag, push) in enumerate(zip(body.tags, pushed.tolist())):
