@@ -2,6 +2,7 @@
 mesher that fails loses nothing."""
 import builtins
 import json
+import shutil
 
 import numpy as np
 import pytest
@@ -223,3 +224,47 @@ def in_metres(scene):
             for row in rows:
                 row[3:] = [1e-3*float(v) for v in row[3:]]
     return deck
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """A run in three parts, and its history."""
+    folder = tmp_path_factory.mktemp("whole")
+    scene = block("CAX4", travel=-1.0, card="PERIOD=.4, STRAIN=10.")
+    run(scene, folder)
+    return scene, folder, (folder/"block_history.csv").read_text()
+
+
+@pytest.mark.parametrize("gone", ["block.p002_history.csv", "block.p002.inp", "block.p003*"])
+def test_what_is_missing_of_a_part_is_made_again(gone, whole, tmp_path):
+    """Rows of a part whose history was gone were left out, and a part without a deck, silently."""
+    scene, folder, expected = whole
+    again = tmp_path/"again"
+    shutil.copytree(folder, again)
+    for path in list(again.glob(gone)):
+        path.unlink()
+    report = run(scene, again, resume=True)
+    assert (again/"block_history.csv").read_text() == expected and len(report.remeshes) == 2
+
+
+def test_parts_of_another_card_and_damaged_decks_of_parts_are_refused(whole, tmp_path):
+    scene, folder, _ = whole
+    again = tmp_path/"again"
+    shutil.copytree(folder, again)
+    other = block("CAX4", travel=-1.0, card="PERIOD=.4, STRAIN=10., SIZE=2.")
+    with pytest.raises(lopin.ResourceError, match=r"of another deck: its \*REMESH differs"):
+        run(other, again, resume=True)
+    deck = again/"block.p002.inp"
+    deck.write_bytes(deck.read_bytes()[:2000])
+    with pytest.raises(lopin.ResourceError, match="is damaged: it has no end"):
+        run(scene, again, resume=True)
+
+
+@pytest.mark.parametrize("harm, said", [
+    (lambda x, c: (np.full_like(x, np.nan), c), "places that are no numbers"),
+    (lambda x, c: (x, []), "gives no cells"), (lambda x, c: (x, [c[0][1:], *c[1:]]), "leaves a hole")])
+def test_a_mesher_that_fails_without_a_word_is_named(harm, said, tmp_path, monkeypatch):
+    fill = planar.fill
+    monkeypatch.setattr(planar, "fill", lambda *given: harm(*fill(*given)))
+    with pytest.raises(lopin.ModelError, match=said):
+        run(block("CAX4", travel=-0.5, card="PERIOD=.3, STRAIN=10."), tmp_path)

@@ -74,6 +74,14 @@ class Body:
         return self.word.startswith("CAX")
 
 
+def refuse_no_mesh(x: NDArray, cells: list[NDArray]) -> None:
+    """A mesher may fail without a word: places that are no numbers, or no cells."""
+    if not sum(len(c) for c in cells):
+        raise refused("the mesher gives no cells", "another SIZE, or a smaller SMALLEST")
+    if not np.isfinite(x).all():
+        raise refused("the mesher gives places that are no numbers", "another SIZE")
+
+
 @dataclass
 class DeckParts:
     """A deck taken apart: blocks with includes in their place, and what its cards say of meshes."""

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from ..deck import Deck
-from ..errors import NotConvergedError, ResourceError
+from ..errors import DamagedResultError, NotConvergedError, ResourceError
 from ..job import Job
 from ..model_read_mesh import named_from
 from ..run import check
@@ -92,8 +92,8 @@ class Runner:
         number, deck = 1, self._first_deck()
         if self.resume or self.replay:
             self._same(deck)
-            self.report.read()
         else:
+            self.report.cards = self._cards()
             for path in self._decks():
                 path.unlink()
         try:
@@ -123,21 +123,37 @@ class Runner:
         """The parts in the folder are of this deck."""
         path = self._path(1)
         if path.is_file() and path.read_text(errors="surrogateescape") != deck.text():
-            raise ResourceError(f"the parts in '{self.output}' are of another deck", id="E0604",
-                                help="restore what has changed, or run the deck without --resume")
+            raise _of_another(self.output)
+        self.report.read()
+        if self.report.cards and self.report.cards != self._cards():
+            raise _of_another(self.output, ": its *REMESH differs")
+        self.report.cards = self._cards()
+
+    def _cards(self) -> str:
+        """The cards that say when and how meshes are made anew."""
+        return "\n".join(b.text() for b in DeckParts.of(self.deck).blocks if b.keyword == "REMESH")
 
     def _known(self, number: int) -> Deck | None:
         """The deck of a part that an earlier run has written."""
         path = self._path(number)
         if not (self.resume or self.replay) or not path.is_file():
             return None
-        return Deck.read(path)
+        deck = Deck.read(path)
+        if not deck.blocks or deck.blocks[-1].keyword != "END STEP" or "START" not in deck:
+            raise DamagedResultError(f"the deck of a part '{path}' is damaged: it has no end",
+                                     help="delete it, and what follows is made again")
+        return deck
+
+    def _has_run(self, number: int) -> bool:
+        """Whether the results of a part are in the folder; without them it runs again."""
+        return self._path(number).is_file() and \
+            (self.output/f"{part_name(self.deck.name, number)}_history.csv").is_file()
 
     def _part(self, deck: Deck, number: int) -> Deck | None:
         """Run a part; the deck of the next one, or None at the end."""
         following = self._known(number + 1)
         self.report.add_part(deck.name)
-        if following is not None and not self.replay:
+        if following is not None and not self.replay and self._has_run(number):
             return following   # its results are in the folder
         if not self._path(number).is_file():
             deck.write(self._path(number))
@@ -218,9 +234,17 @@ class Runner:
         """Write the deck of a part before it is used, once the files of the last one are whole."""
         self.report.add(done)
         deck.write(self._path(number))
+        for later in self._decks():   # of a run before: made anew from this part on
+            if later > self._path(number):
+                later.unlink()
         self._path(number - 1).with_suffix(".rst").unlink(missing_ok=True)
         self.say(done.line())
         return deck
+
+
+def _of_another(folder: Path, why: str = "") -> ResourceError:
+    return ResourceError(f"the parts in '{folder}' are of another deck{why}", id="E0604",
+                         help="restore what has changed, or run the deck without --resume")
 
 
 def plastic_at_start(deck: Deck) -> dict[int, float]:

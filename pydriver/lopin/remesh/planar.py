@@ -4,7 +4,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .body import Body, boundary_facets, refused
+from .body import Body, boundary_facets, refuse_no_mesh, refused
 from .card import RemeshCard
 from .fold import close_fold, deepest_inside, drawn_apart
 from .outline import Outline, loops_of, new_outline, volume_of
@@ -42,6 +42,7 @@ def remesh_plane(body: Body, state: Snapshot, card: RemeshCard, tools: Tools,
             near *= CLOSER
             continue
         x, cells = fill(outline, finer.with_edges(outline.x, ends), quads, apart)
+        refuse_no_mesh(x, cells)
         worst = worst_corner(x, cells) - (len(cells) > 1)
         if best is None or worst > best[0]:
             best = worst, outline, moved, x, cells
@@ -56,6 +57,8 @@ def remesh_plane(body: Body, state: Snapshot, card: RemeshCard, tools: Tools,
         raise refused("a new cell is turned over at ({})".format(", ".join(
             f"{v:.4g}" for v in place_of_worst(x, cells))), "another SIZE, or a smaller SMALLEST")
     facets, _ = boundary_facets(cells, 2)
+    if len(facets) != len(outline.tags):
+        raise refused("the mesher leaves a hole", "another SIZE, or a smaller SMALLEST")
     tags = [outline.tags[a] for a in facets[:, 0]]
     mesh = NewMesh(x, cells, facets, tags)
     mesh.named = named_nodes(body, state.x, outline, x)

@@ -105,12 +105,14 @@ class Report:
     folder : of all results
     parts : names of the decks of the parts
     remeshes : one fewer
+    cards : text of *REMESH of the deck
     """
 
     name: str
     folder: Path
     parts: list[str] = field(default_factory=list)
     remeshes: list[Remesh] = field(default_factory=list)
+    cards: str = ""
 
     def add_part(self, name: str) -> None:
         """A part runs."""
@@ -135,7 +137,8 @@ class Report:
         """The remeshes of a run that goes on."""
         if self.path.is_file():
             with reading(self.path):
-                found = json.loads(self.path.read_text())["remeshes"]
+                told = json.loads(self.path.read_text())
+                found, self.cards = told["remeshes"], told.get("cards", "")
                 self.remeshes = [Remesh(**{k: r[k] for k in Remesh.__dataclass_fields__ if k in r})
                                  for r in found]
 
@@ -153,7 +156,7 @@ class Report:
                              "force_change_of_largest": jumps.get(r.part, {}).get("of_largest")}
                 for r in self.remeshes]
         return json.dumps({"schema": "lopin-parts/1", "deck": self.name, "parts": self.parts,
-                           "remeshes": told,
+                           "remeshes": told, "cards": self.cards,
                            "balance": self.balance(),
                            "verdict": self.verdict()[0]}, indent=1)
 

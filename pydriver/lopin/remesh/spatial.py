@@ -4,7 +4,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .body import Body, boundary_facets, refused
+from .body import Body, boundary_facets, refuse_no_mesh, refused
 from .card import RemeshCard
 from .part import NewMesh, SkinOrigin
 from .plane import corner_quality
@@ -34,6 +34,7 @@ def remesh_space(body: Body, state: Snapshot, card: RemeshCard, tools: Tools,
     x, cells, told, of = remesh_tetrahedra(state.x, body.cells[0], body.facets, reference,
                                        sizes(state.x), (card.smallest, card.size, card.hausdorff),
                                        card.growth)
+    refuse_no_mesh(x, [cells])
     used = np.unique(cells)
     x, cells = x[used], np.searchsorted(used, cells)
     facets, _ = boundary_facets([cells], 3)
