@@ -4,11 +4,13 @@
 module lopin_batch_end
    use lopin_kinds, only : wp
    use lopin_element_type, only : element_type
-   use lopin_element_batch, only : batch_type, kept_type, lanes, most
+   use lopin_element_batch, only : batch_type, kept_type, lanes, points
    use lopin_hyperelastic, only : solid_law_type
    use lopin_batch_law, only : law_lanes_type, respond_in_lanes, strain_in_lanes, &
       & flow_lanes_type, flow_in_lanes, frame_lanes_type, find_frames
-   use lopin_solid_batch, only : motion_type, deform, inverse_in_lanes
+   use lopin_batch_motion, only : motion_type, deform, inverse_in_lanes
+   use lopin_enhanced_batch, only : deform_enhanced
+   use lopin_enhanced_modes, only : most_modes
    implicit none
    private
    public :: recover_batch, keep_batch
@@ -20,16 +22,16 @@ contains
       type(element_type), intent(in) :: element
       type(solid_law_type), intent(in) :: law
       type(batch_type), intent(in) :: batch
-      real(wp), intent(out) :: stress(lanes, 6, most)   !! [stress]
-      real(wp), intent(out) :: strain(lanes, 6, most)   !! [-]
+      real(wp), intent(out) :: stress(lanes, 6, points)   !! [stress]
+      real(wp), intent(out) :: strain(lanes, 6, points)   !! [-]
       logical, intent(out) :: done             !! no element is turned inside out
       type(motion_type) :: motion
       type(law_lanes_type) :: answer
-      type(frame_lanes_type) :: frame(most), whole(most)   ! of the elastic part, of all
-      real(wp) :: change(lanes, 3, 3, most)
+      type(frame_lanes_type) :: frame(points), whole(points)   ! of the elastic part, of all
+      real(wp) :: change(lanes, 3, 3, points), amplitude(lanes, most_modes)
       integer :: i, k
 
-      call deform(element, batch, motion, done)
+      call deform_all(element, law, batch, motion, amplitude, done)
       if (.not. done) return
       do k = 1, element%ngauss
          call total_change(motion%h(:, :, :, k), change(:, :, :, k))
@@ -56,11 +58,11 @@ contains
       logical, intent(out) :: done             !! no element is turned inside out
       type(motion_type) :: motion
       type(flow_lanes_type) :: flow
-      type(frame_lanes_type) :: frame(most)
+      type(frame_lanes_type) :: frame(points)
       real(wp) :: inverse(lanes, 3, 3)
       integer :: k
 
-      call deform(element, batch, motion, done)
+      call deform_all(element, law, batch, motion, kept%amplitude, done)
       if (.not. done) return
       call find_frames(element%ngauss, motion%change, frame)
       kept%held = 0.0_wp
@@ -75,6 +77,23 @@ contains
          kept%metric(:, :, k) = flow%metric
       end do
    end subroutine keep_batch
+
+   !> Deformation of the points; amplitudes of internal modes, where the element has some.
+   pure subroutine deform_all(element, law, batch, motion, amplitude, done)
+      type(element_type), intent(in) :: element
+      type(solid_law_type), intent(in) :: law
+      type(batch_type), intent(in) :: batch
+      type(motion_type), intent(inout) :: motion
+      real(wp), intent(out) :: amplitude(lanes, most_modes)   !! [-]
+      logical, intent(out) :: done
+
+      if (element%nmode > 0) then
+         call deform_enhanced(element, law, batch, motion, amplitude, done)
+      else
+         amplitude = 0.0_wp
+         call deform(element, batch, motion, done)
+      end if
+   end subroutine deform_all
 
    !> b - 1 of a displacement gradient.
    pure subroutine total_change(h, change)

@@ -6,7 +6,7 @@ module lopin_batch_kernel
    use, intrinsic :: iso_c_binding, only : c_int
    use lopin_kinds, only : wp
    use lopin_element_type, only : element_type
-   use lopin_element_batch, only : batch_type, kept_type, lanes, most
+   use lopin_element_batch, only : batch_type, kept_type, lanes, points
    use lopin_hyperelastic, only : solid_law_type
    use lopin_solid_batch, only : evaluate_batch
    use lopin_batch_end, only : recover_batch, keep_batch
@@ -59,7 +59,7 @@ contains
       type(element_type), intent(in) :: element
       type(solid_law_type), intent(in) :: law
       type(batch_type), intent(in) :: batch
-      real(wp), intent(out) :: stress(lanes, 6, most), strain(lanes, 6, most)
+      real(wp), intent(out) :: stress(lanes, 6, points), strain(lanes, 6, points)
       logical, intent(out) :: done             !! no element is turned inside out
       integer, intent(in), optional :: most_wide   !! vectors
 

@@ -6,6 +6,7 @@ module lopin_batch_stiffness
    implicit none
    private
    public :: velocity_form_in_lanes, add_stiffness_in_lanes, average_in_lanes, add_coupling_in_lanes
+   public :: add_force
 
 contains
 
@@ -35,6 +36,29 @@ contains
          end do
       end do
    end subroutine velocity_form_in_lanes
+
+   !> Nodal forces of a stress.
+   pure subroutine add_force(nnode, g, stress, volume, force)
+      integer, intent(in) :: nnode
+      real(wp), intent(in) :: g(lanes, 3, nnode), stress(lanes, 6), volume(lanes)
+      real(wp), intent(inout) :: force(lanes, 3, nnode)
+      real(wp) :: s(lanes, 6)
+      integer :: a, i, l
+
+      do i = 1, 6
+         s(:, i) = volume*stress(:, i)
+      end do
+      do a = 1, nnode
+         do l = 1, lanes
+            force(l, 1, a) = force(l, 1, a) &
+               & + (s(l, 1)*g(l, 1, a) + s(l, 4)*g(l, 2, a) + s(l, 5)*g(l, 3, a))
+            force(l, 2, a) = force(l, 2, a) &
+               & + (s(l, 4)*g(l, 1, a) + s(l, 2)*g(l, 2, a) + s(l, 6)*g(l, 3, a))
+            force(l, 3, a) = force(l, 3, a) &
+               & + (s(l, 5)*g(l, 1, a) + s(l, 6)*g(l, 2, a) + s(l, 3)*g(l, 3, a))
+         end do
+      end do
+   end subroutine add_force
 
    !> Stiffness of a quadratic form: the blocks of node a and node b <= a.
    pure subroutine add_stiffness_in_lanes(nnode, g, q, ke)

@@ -15,7 +15,7 @@ module lopin_enhanced_modes
    use lopin_element_type, only : element_type
    implicit none
    private
-   public :: modes_type, internal_modes, solve_small
+   public :: modes_type, internal_modes, edge_of, outer_sum, solve_small
 
    integer, parameter, public :: most_modes = 16, most_nodes = 8, most_points = 72
 
@@ -35,23 +35,28 @@ contains
       type(modes_type), intent(out) :: self
       real(wp), intent(out) :: smallest            !! least det J; nothing is defined unless > 0
       real(wp) :: inverse(3, 3), centre, here, size_of, scale, other(3, 3)
-      integer :: k, d, m
+      integer :: i, k, d, m
 
       d = element%ndim
       m = element%nnode
-      call invert(d, matmul(x(:, :m), transpose(element%dn0)), inverse, centre)
+      call invert(d, outer_sum(d, m, x, element%dn0), inverse, centre)
       smallest = centre
       if (.not. centre > 0.0_wp) return
       self%e(:, :, :element%nmode, :element%ngauss) = 0.0_wp
       self%hoop = 0.0_wp
-      self%g(:d, :m) = matmul(transpose(inverse(:d, :d)), element%dn0)
+      do k = 1, m
+         self%g(:d, k) = 0.0_wp
+         do i = 1, d
+            self%g(:d, k) = self%g(:d, k) + inverse(i, :d)*element%dn0(i, k)
+         end do
+      end do
       if (element%axisymmetric) then
          self%hoop(:m) = element%n0/dot_product(x(1, :m), element%n0)
          centre = centre*dot_product(x(1, :m), element%n0)
       end if
-      size_of = smallest**(1.0_wp/real(d, wp))
+      size_of = edge_of(smallest, d)
       do k = 1, element%ngauss
-         call invert(d, matmul(x(:, :m), transpose(element%dn(:, :, k))), other, here)
+         call invert(d, outer_sum(d, m, x, element%dn(:, :, k)), other, here)
          smallest = min(smallest, here)
          if (.not. smallest > 0.0_wp) return
          if (element%axisymmetric) here = here*dot_product(x(1, :m), element%n(:, k))
@@ -99,6 +104,31 @@ contains
          end do
       end do
    end subroutine fill
+
+   !> Edge of a square or cube of a content. A procedure apart: a loop over powers would be made one
+   !> of vector copies of them, which have other bits.
+   pure real(wp) function edge_of(content, d)
+      real(wp), intent(in) :: content              !! [length^d]
+      integer, intent(in) :: d
+
+      edge_of = content**(1.0_wp/real(d, wp))
+   end function edge_of
+
+   !> Sum of x(:, a) dn(:, a)^T over the nodes, node after node.
+   pure function outer_sum(d, nnode, x, dn) result(total)
+      integer, intent(in) :: d, nnode
+      real(wp), intent(in) :: x(:, :)              !! (>= d, >= nnode)
+      real(wp), intent(in) :: dn(:, :)             !! the same
+      real(wp) :: total(d, d)
+      integer :: a, k
+
+      total = 0.0_wp
+      do a = 1, nnode
+         do k = 1, d
+            total(:, k) = total(:, k) + x(:d, a)*dn(k, a)
+         end do
+      end do
+   end function outer_sum
 
    !> Inverse and determinant of the leading block.
    pure subroutine invert(d, j, inverse, determinant)

@@ -7,7 +7,8 @@ module lopin_enhanced_motion
    use lopin_kinds, only : wp
    use lopin_element_type, only : element_type
    use lopin_element_input, only : element_input_type
-   use lopin_enhanced_modes, only : modes_type, internal_modes, most_modes, most_nodes, most_points
+   use lopin_enhanced_modes, only : modes_type, internal_modes, outer_sum, most_modes, most_nodes, &
+      & most_points
    use lopin_gradients, only : gradients
    implicit none
    private
@@ -48,7 +49,7 @@ contains
       do k = 1, element%ngauss
          call gradients(d, m, input%x, element%dn(:, :, k), motion%g(:d, :m, k), determinant)
          motion%weight(k) = element%weight(k)*determinant
-         motion%h(:d, :d, k) = matmul(input%u(:, :m), transpose(motion%g(:d, :m, k)))
+         motion%h(:d, :d, k) = outer_sum(d, m, input%u, motion%g(:d, :m, k))
          if (element%axisymmetric) then
             radius = dot_product(input%x(1, :m), element%n(:, k))
             motion%hoop(:m, k) = element%n(:, k)/radius
@@ -61,7 +62,7 @@ contains
             & *input%memory(size(input%memory, 1), k)
       end do
       motion%centre = 0.0_wp
-      motion%centre(:d, :d) = matmul(input%u(:, :m), transpose(motion%modes%g(:d, :m)))
+      motion%centre(:d, :d) = outer_sum(d, m, input%u, motion%modes%g(:d, :m))
       if (d == 2) motion%centre(3, 3) = dot_product(input%u(1, :m), motion%modes%hoop(:m))
       do k = 1, 3
          motion%centre(k, k) = motion%centre(k, k) + 1.0_wp

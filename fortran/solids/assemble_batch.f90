@@ -6,8 +6,9 @@ module lopin_assemble_batch
    use lopin_mesh, only : mesh_type
    use lopin_solids, only : solids_type
    use lopin_state, only : solids_state_type
-   use lopin_material_memory, only : put_return
-   use lopin_element_batch, only : batch_type, kept_type, lanes, most, put_memory
+   use lopin_material_memory, only : put_return, put_amplitudes
+   use lopin_element_batch, only : batch_type, kept_type, lanes, most, points, &
+      & put_memory
    use lopin_batch_kernel, only : compute_batch, compute_stresses, compute_kept
    use lopin_solid_configuration, only : configuration_type, share_type, take_nodes, add_nodes
    implicit none
@@ -60,7 +61,7 @@ contains
       real(wp), intent(inout) :: stress(:, :), strain(:, :)   !! (6, npoint)
       logical, intent(out) :: done
       type(batch_type) :: batch
-      real(wp), dimension(lanes, 6, most) :: found, elongation
+      real(wp), dimension(lanes, 6, points) :: found, elongation
       integer :: lane, e, k, p
 
       done = .false.
@@ -108,6 +109,8 @@ contains
          do lane = 1, size(element)
             e = element(lane)
             volume(e) = kept%held(lane)
+            call put_amplitudes(next(:, first(e):first(e + 1) - 1), 6, &
+               & kept%amplitude(lane, :group%element%nmode))
             do k = 1, group%element%ngauss
                if (.not. kept%step(lane, k) > 0.0_wp) cycle
                p = first(e) + k - 1
@@ -158,11 +161,14 @@ contains
 
       batch%x(lane, :, :size(x, 2)) = x
       batch%u(lane, :, :size(x, 2)) = moved
-      if (self%group(self%which(e))%law%remembers) then
-         call put_memory(batch, lane, memory%value(:, memory%first(e):memory%first(e + 1) - 1))
-      else
-         call put_memory(batch, lane, memory%none)
-      end if
+      associate (group => self%group(self%which(e)))
+         if (group%law%remembers) then
+            call put_memory(group%element, batch, lane, &
+               & memory%value(:, memory%first(e):memory%first(e + 1) - 1))
+         else
+            call put_memory(group%element, batch, lane, memory%none)
+         end if
+      end associate
    end subroutine fill_lane
 
    !> Add the lower triangle of the matrix of a lane to its slots; see add_slots of module solids.

@@ -10,7 +10,7 @@ module lopin_point_states
    use lopin_solids, only : solids_type, unit_nodes, unit_points
    use lopin_solid_configuration, only : configuration_type, fill_input, columns
    use lopin_stress_free_state, only : set_elastic
-   use lopin_log_strain, only : first_axis, second_axis
+   use lopin_log_strain, only : first_axis, second_axis, exp_minus_one
    use lopin_hyperelastic, only : finite_law
    use lopin_flow_curve, only : flow_stress
    use lopin_model, only : initial_state_type
@@ -157,8 +157,9 @@ contains
       do e = 1, mesh%nelement
          do k = memory%first(e), memory%first(e + 1) - 1
             associate (law => self%group(self%which(e))%law, row => table(:, k))
-               energy = energy + row(6)*exp(-row(14))*(0.5_wp*law%bulk*row(13)**2 &
-                  & + law%shear*(sum(row(7:9)**2) + 2.0_wp*sum(row(10:12)**2)))
+               energy = energy + row(6)*(1.0_wp + exp_minus_one(-row(14))) &
+                  & *(0.5_wp*law%bulk*row(13)**2 + law%shear*(sum(row(7:9)**2) &
+                  & + 2.0_wp*sum(row(10:12)**2)))
             end associate
          end do
       end do
