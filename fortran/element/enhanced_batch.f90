@@ -25,12 +25,13 @@ contains
       logical, intent(in) :: with_tangent
       type(batch_type), intent(inout) :: batch
       logical, intent(out) :: done               !! no element asks for more than full steps
-      type(modes_lanes_type) :: motion
-      type(relaxed_lanes_type) :: relaxed
+      type(modes_lanes_type), allocatable :: motion      ! too large for a stack
+      type(relaxed_lanes_type), allocatable :: relaxed   ! the same
       real(wp) :: with_nodes(lanes, element%nmode, 3, element%nnode)
       real(wp) :: swap(lanes, 3, 3, element%nmode), g(lanes, 3, most)
       integer :: k, l, m
 
+      allocate (motion, relaxed)
       call move_lanes(element, batch, motion, done)
       if (.not. done) return
       call relax_lanes(element, law, batch, motion, relaxed, done)
@@ -212,12 +213,13 @@ contains
       type(motion_type), intent(inout) :: motion   !! of its slopes nothing is set
       real(wp), intent(out) :: amplitude(lanes, most_modes)   !! [-]
       logical, intent(out) :: done
-      type(modes_lanes_type) :: modes
-      type(relaxed_lanes_type) :: relaxed
+      type(modes_lanes_type), allocatable :: modes       ! too large for a stack
+      type(relaxed_lanes_type), allocatable :: relaxed   ! the same
       real(wp) :: g(lanes, 3, most)
       integer :: k, m
 
       amplitude = 0.0_wp
+      allocate (modes, relaxed)
       call move_lanes(element, batch, modes, done)
       if (.not. done) return
       call relax_lanes(element, law, batch, modes, relaxed, done)
