@@ -69,8 +69,10 @@ contains
    !> Cartesian slopes of the shape functions: J**-T dN, and det J.
    pure subroutine gradients(nnode, x, dn, g, determinant)
       integer, intent(in) :: nnode
-      real(wp), intent(in) :: x(lanes, 3, nnode), dn(3, nnode)
-      real(wp), intent(out) :: g(lanes, 3, nnode), determinant(lanes)
+      real(wp), intent(in) :: x(lanes, 3, nnode)         !! [length]
+      real(wp), intent(in) :: dn(3, nnode)               !! parametric slopes [-]
+      real(wp), intent(out) :: g(lanes, 3, nnode)        !! [1/length]
+      real(wp), intent(out) :: determinant(lanes)        !! [length^3]
       real(wp) :: j(lanes, 3, 3), c(lanes, 3, 3)
       integer :: a, i, k, l
 
@@ -97,8 +99,9 @@ contains
    !> Sum of x(:, a) dn(:, a)^T.
    pure subroutine jacobian(nnode, x, dn, j)
       integer, intent(in) :: nnode
-      real(wp), intent(in) :: x(lanes, 3, nnode), dn(3, nnode)
-      real(wp), intent(out) :: j(lanes, 3, 3)
+      real(wp), intent(in) :: x(lanes, 3, nnode)         !! [length]
+      real(wp), intent(in) :: dn(3, nnode)               !! parametric slopes [-]
+      real(wp), intent(out) :: j(lanes, 3, 3)            !! [length]
       integer :: a, i, k
 
       j = 0.0_wp
@@ -111,9 +114,10 @@ contains
       end do
    end subroutine jacobian
 
+   !> c = a x b.
    pure subroutine cross(a, b, c)
-      real(wp), intent(in) :: a(lanes, 3), b(lanes, 3)
-      real(wp), intent(out) :: c(lanes, 3)
+      real(wp), intent(in) :: a(lanes, 3), b(lanes, 3)   !! any unit
+      real(wp), intent(out) :: c(lanes, 3)               !! that of a times that of b
 
       c(:, 1) = a(:, 2)*b(:, 3) - a(:, 3)*b(:, 2)
       c(:, 2) = a(:, 3)*b(:, 1) - a(:, 1)*b(:, 3)
@@ -123,8 +127,9 @@ contains
    !> F - 1.
    pure subroutine displacement_gradient(nnode, u, g, h)
       integer, intent(in) :: nnode
-      real(wp), intent(in) :: u(lanes, 3, nnode), g(lanes, 3, nnode)
-      real(wp), intent(out) :: h(lanes, 3, 3)
+      real(wp), intent(in) :: u(lanes, 3, nnode)         !! [length]
+      real(wp), intent(in) :: g(lanes, 3, nnode)         !! [1/length]
+      real(wp), intent(out) :: h(lanes, 3, 3)            !! [-]
       integer :: a, i, k
 
       h = 0.0_wp
@@ -139,8 +144,9 @@ contains
 
    !> b - 1 of the elastic part if nothing flowed: F (1 + P) F^T - 1.
    pure subroutine trial_change(h, metric, change)
-      real(wp), intent(in) :: h(lanes, 3, 3), metric(lanes, 6)
-      real(wp), intent(out) :: change(lanes, 3, 3)
+      real(wp), intent(in) :: h(lanes, 3, 3)             !! F - 1
+      real(wp), intent(in) :: metric(lanes, 6)           !! plastic metric - 1
+      real(wp), intent(out) :: change(lanes, 3, 3)       !! [-]
       integer, parameter :: at(3, 3) = reshape([1, 4, 5, 4, 2, 6, 5, 6, 3], [3, 3])
       real(wp) :: half(lanes, 3, 3)   ! F (1 + P) - 1
       integer :: i, j
@@ -162,8 +168,8 @@ contains
 
    !> J - 1.
    pure subroutine volume_change(h, change)
-      real(wp), intent(in) :: h(lanes, 3, 3)
-      real(wp), intent(out) :: change(lanes)
+      real(wp), intent(in) :: h(lanes, 3, 3)             !! F - 1
+      real(wp), intent(out) :: change(lanes)             !! [-]
 
       change = h(:, 1, 1) + h(:, 2, 2) + h(:, 3, 3) &
          & + (h(:, 1, 1)*h(:, 2, 2) - h(:, 1, 2)*h(:, 2, 1)) &
@@ -197,8 +203,8 @@ contains
 
    !> The inverse of F = 1 + h, regular; see inverse_of of module vectors.
    pure subroutine inverse_in_lanes(h, v)
-      real(wp), intent(in) :: h(lanes, 3, 3)
-      real(wp), intent(out) :: v(lanes, 3, 3)
+      real(wp), intent(in) :: h(lanes, 3, 3)             !! F - 1
+      real(wp), intent(out) :: v(lanes, 3, 3)            !! [-]
       real(wp) :: f(lanes, 3, 3), scale(lanes)
       integer :: a, i
 

@@ -40,8 +40,10 @@ contains
    !> Nodal forces of a stress.
    pure subroutine add_force(nnode, g, stress, volume, force)
       integer, intent(in) :: nnode
-      real(wp), intent(in) :: g(lanes, 3, nnode), stress(lanes, 6), volume(lanes)
-      real(wp), intent(inout) :: force(lanes, 3, nnode)
+      real(wp), intent(in) :: g(lanes, 3, nnode)     !! gradients in the deformed place [1/length]
+      real(wp), intent(in) :: stress(lanes, 6)       !! Kirchhoff [stress]
+      real(wp), intent(in) :: volume(lanes)          !! [length^3]
+      real(wp), intent(inout) :: force(lanes, 3, nnode)   !! [force]
       real(wp) :: s(lanes, 6)
       integer :: a, i, l
 

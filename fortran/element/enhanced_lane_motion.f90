@@ -174,8 +174,8 @@ contains
       type(element_type), intent(in) :: element
       type(modes_lanes_type), intent(in) :: motion
       integer, intent(in) :: k
-      real(wp), intent(in) :: alpha(lanes, most_modes)
-      real(wp), intent(out) :: h(lanes, 3, 3)
+      real(wp), intent(in) :: alpha(lanes, most_modes)       !! amplitudes [-]
+      real(wp), intent(out) :: h(lanes, 3, 3)                !! [-]
       real(wp) :: e(lanes, 3, 3)
       integer :: i, j
 
@@ -193,8 +193,8 @@ contains
       type(element_type), intent(in) :: element
       type(modes_lanes_type), intent(in) :: motion
       integer, intent(in) :: k
-      real(wp), intent(in) :: alpha(lanes, most_modes)
-      real(wp), intent(out) :: e(lanes, 3, 3)
+      real(wp), intent(in) :: alpha(lanes, most_modes)       !! amplitudes [-]
+      real(wp), intent(out) :: e(lanes, 3, 3)                !! [-]
       integer :: i, j, m
 
       do j = 1, 3

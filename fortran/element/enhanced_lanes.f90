@@ -192,8 +192,9 @@ contains
    !> Quadratic form times the gradients of the amplitudes.
    pure subroutine products(element, a, l, al)
       type(element_type), intent(in) :: element
-      real(wp), intent(in) :: a(lanes, 9, 9), l(lanes, 9, element%nmode)
-      real(wp), intent(out) :: al(lanes, 9, element%nmode)
+      real(wp), intent(in) :: a(lanes, 9, 9)                 !! [stress length^3]
+      real(wp), intent(in) :: l(lanes, 9, element%nmode)     !! velocity gradients [-]
+      real(wp), intent(out) :: al(lanes, 9, element%nmode)   !! [stress length^3]
       real(wp) :: c(lanes)
       integer :: i, j, m
 
@@ -229,7 +230,8 @@ contains
 
    !> The tensor of stresses in the order xx yy zz xy xz yz, times a volume.
    pure function tensor_of(weight, stress) result(s)
-      real(wp), intent(in) :: weight(lanes), stress(lanes, 6)
+      real(wp), intent(in) :: weight(lanes)                  !! [length^3]
+      real(wp), intent(in) :: stress(lanes, 6)               !! [stress]
       real(wp) :: s(lanes, 3, 3)
       integer, parameter :: row(6) = [1, 2, 3, 1, 1, 2], column(6) = [1, 2, 3, 2, 3, 3]
       integer :: r

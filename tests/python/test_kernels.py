@@ -172,3 +172,8 @@ def test_keywords_are_rows():
     behaviour = rows["SURFACE BEHAVIOR"]
     assert "PENALTY" in [p["name"] for p in behaviour["parameters"]]
     assert all(row["sentence"] for row in rows.values())
+
+
+def test_no_loop_takes_vector_copies_of_functions(executable):
+    """Powers and exponentials of libmvec have other bits, which depend on the processor."""
+    assert b"_ZGV" not in executable.read_bytes()
