@@ -8,13 +8,17 @@ module lopin_corner_normals
    use lopin_kinds, only : wp
    use lopin_facet_mesh, only : facet_mesh_type, edge_of
    use lopin_vectors, only : cross
-   use lopin_creases, only : turn_at, edge_to, turns_on
+   use lopin_creases, only : turn_at, edge_to, turn_beyond
    implicit none
    private
    public :: corner_normal
 
    !> A facet of a surface of one curvature is not so many times as wide as the next.
    real(wp), parameter :: much_wider = 3.0_wp
+   !> A fillet of equal chords turns twice as much from chord to chord as from the wall, which it is
+   !> tangent to, to the first; facets of one curvature turn by as much as they are wide, half of
+   !> each: beyond a narrow one no more than at the wide one before it.
+   real(wp), parameter :: fillet_turn = 1.4_wp
    !> Below 3 degrees it does not matter which of two facets a normal leans to.
    real(wp), parameter :: slight = 0.05_wp
 
@@ -77,7 +81,7 @@ contains
       list = found(:n)
    end subroutine find_fan
 
-   !> Over an edge at this vertex a fillet begins: what lies there is narrow, and turns on.
+   !> Over an edge at this vertex a fillet begins: what lies there is narrow, and turns on by more.
    pure logical function is_wide(mesh, kept, f, v)
       type(facet_mesh_type), intent(in) :: mesh
       logical, intent(in) :: kept(:, :)
@@ -94,7 +98,7 @@ contains
          if (abs(turn) < slight) cycle
          back = edge_to(mesh, g, f)
          if (width_of(mesh, f, k) < much_wider*width_of(mesh, g, back)) cycle
-         is_wide = turns_on(mesh, g, back, edge_of(mesh, f, k), turn)
+         is_wide = turn_beyond(mesh, g, back, edge_of(mesh, f, k), turn) > fillet_turn
          if (is_wide) return
       end do
    end function is_wide

@@ -5,7 +5,7 @@ module lopin_creases
    use lopin_tool, only : one_plane
    implicit none
    private
-   public :: is_hollow, chord_of, rise_of, turn_at, edge_to, stays, stands_alone, turns_on
+   public :: is_hollow, chord_of, rise_of, turn_at, edge_to, stays, stands_alone, turn_beyond
 
    !> 30 degrees: two walls, not one.
    real(wp), parameter, public :: sharp = cos(acos(-1.0_wp)/6.0_wp)
@@ -105,40 +105,49 @@ contains
          & .or. turns_on(mesh, g, edge_to(mesh, g, f), along, turn))
    end function stands_alone
 
-   !> Beyond a facet, on the way from its edge k, the surface turns on; an edge that turns far less,
-   !> as between the halves of a rectangle, is passed over, once.
+   !> Beyond a facet, on the way from its edge k, the surface turns on.
    pure logical function turns_on(mesh, f, k, along, turn)
+      type(facet_mesh_type), intent(in) :: mesh
+      integer, intent(in) :: f, k
+      real(wp), intent(in) :: along(3), turn   !! the crease, and by how much it turns [rad]
+
+      turns_on = turn_beyond(mesh, f, k, along, turn) > 0.0_wp
+   end function turns_on
+
+   !> Turn of the next crease beyond a facet, on the way from its edge k, over the turn there; 0
+   !> where the surface does not turn on. An edge that turns far less, as between the halves of a
+   !> rectangle, is passed over, once.
+   pure real(wp) function turn_beyond(mesh, f, k, along, turn) result(next)
       type(facet_mesh_type), intent(in) :: mesh
       integer, intent(in) :: f, k
       real(wp), intent(in) :: along(3), turn   !! the crease, and by how much it turns [rad]
       integer :: i, j, g, back
 
-      turns_on = .false.
+      next = 0.0_wp
       do i = 1, 3
          g = mesh%neighbour(i, f)
          if (i == k .or. g == 0) cycle
-         turns_on = goes_with(mesh, f, i, along, turn)
-         if (turns_on) return
+         next = max(next, turn_with(mesh, f, i, along, turn))
          if (abs(turn_at(mesh, f, i)) > least_turn*abs(turn)) cycle
          back = edge_to(mesh, g, f)
          do j = 1, 3
             if (j == back .or. mesh%neighbour(j, g) == 0) cycle
-            turns_on = goes_with(mesh, g, j, along, turn)
-            if (turns_on) return
+            next = max(next, turn_with(mesh, g, j, along, turn))
          end do
       end do
-   end function turns_on
+   end function turn_beyond
 
-   !> This edge turns the surface the same way and about as much.
-   pure logical function goes_with(mesh, f, k, along, turn)
+   !> Turn of this edge over that of the crease, where it turns the surface the same way and about
+   !> as much; else 0.
+   pure real(wp) function turn_with(mesh, f, k, along, turn) result(next)
       type(facet_mesh_type), intent(in) :: mesh
       integer, intent(in) :: f, k
       real(wp), intent(in) :: along(3), turn
-      real(wp) :: edge(3), next
+      real(wp) :: edge(3)
 
       edge = edge_of(mesh, f, k)
       next = turn_at(mesh, f, k)/turn
-      goes_with = next > least_turn .and. next < 1.0_wp/least_turn .and. &
-         & abs(dot_product(edge, along)) > parallel*norm2(edge)*norm2(along)
-   end function goes_with
+      if (.not. (next > least_turn .and. next < 1.0_wp/least_turn .and. &
+         & abs(dot_product(edge, along)) > parallel*norm2(edge)*norm2(along))) next = 0.0_wp
+   end function turn_with
 end module lopin_creases

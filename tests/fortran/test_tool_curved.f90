@@ -21,6 +21,7 @@ program test_tool_curved
    call a_valley_holds_by_both_walls()
    call so_does_a_valley_that_ends()
    call walls_beside_a_fillet_of_two_chords_stay_flat()
+   call wide_facets_of_a_cylinder_are_curved_too()
    call finish()
 
 contains
@@ -249,6 +250,40 @@ contains
       call is_true('two feet', most == 2)
       call is_true('gaps', worst < 1.0e-9_wp)
    end subroutine so_does_a_valley_that_ends
+
+   !> Facets of 20 degrees between two of 5, and of 7 beside 2: no fillet begins at the narrow ones,
+   !> which turn no more from one to the next than at the wide one.
+   subroutine wide_facets_of_a_cylinder_are_curved_too()
+      integer, parameter :: n = 13
+      class(tool_type), allocatable :: tool
+      type(foot_type) :: foot
+      real(wp), parameter :: degree = acos(-1.0_wp)/180.0_wp
+      real(wp) :: corner(3, 3, 8*(n - 1)), p(3, 5, n), part(3), wide, a
+      integer :: i, way
+
+      call test('wide facets of a cylinder are curved, beside narrow ones too')
+      do way = 1, 2
+         part = merge([5.0_wp, 5.0_wp, 20.0_wp], [2.0_wp, 7.0_wp, 2.0_wp], way == 1)
+         wide = maxval(part)*degree
+         a = 0.0_wp
+         do i = 1, n
+            p(1, :, i) = sin(a)
+            p(3, :, i) = cos(a)
+            a = a + merge(part(1 + mod(i - 1, 3)), part(1 + mod(i - 1, 2)), way == 1)*degree
+         end do
+         do i = 1, 5
+            p(2, i, :) = i - 3.0_wp
+         end do
+         call strips(p, corner)
+         call new_open(tool, corner)
+         ! The middle of the third wide facet, or of the sixth.
+         i = merge(9, 6, way == 1)
+         associate (middle => 0.5_wp*(p(:, 3, i) + p(:, 3, i + 1)))
+            call tool%project(middle/norm2(middle([1, 3])), foot)
+         end associate
+         call is_true('nearer than the chord', abs(foot%gap) < 0.9_wp*(1.0_wp - cos(0.5_wp*wide)))
+      end do
+   end subroutine wide_facets_of_a_cylinder_are_curved_too
 
    !> A plane, a fillet of radius 1 that turns by 56 degrees in two chords, and a wall beyond it.
    subroutine walls_beside_a_fillet_of_two_chords_stay_flat()
