@@ -247,6 +247,20 @@ def test_what_is_missing_of_a_part_is_made_again(gone, whole, tmp_path):
     assert (again/"block_history.csv").read_text() == expected and len(report.remeshes) == 2
 
 
+@pytest.mark.parametrize("harm", [
+    lambda lines: lines[:1], lambda lines: lines[:2] + lines[3:], lambda lines: [*lines[:-1], lines[-1][:40]]],
+    ids=["head alone", "a row", "half a row"])
+def test_a_history_of_a_part_that_was_cut_is_made_again(harm, whole, tmp_path):
+    """Its rows were left out with PASS, or read as those of another step."""
+    scene, folder, expected = whole
+    again = tmp_path/"again"
+    shutil.copytree(folder, again)
+    cut = again/"block.p002_history.csv"
+    cut.write_text("".join(harm(cut.read_text().splitlines(keepends=True))))
+    run(scene, again, resume=True)
+    assert (again/"block_history.csv").read_text() == expected
+
+
 def test_parts_of_another_card_and_damaged_decks_of_parts_are_refused(whole, tmp_path):
     scene, folder, _ = whole
     again = tmp_path/"again"

@@ -8,6 +8,7 @@
 module lopin_narrow_friction
    use lopin_kinds, only : wp
    use lopin_text, only : to_text
+   use lopin_vectors, only : cross
    use lopin_stream, only : stream_type
    use lopin_cells, only : cell_type
    use lopin_element_type, only : cells_of_words
@@ -84,7 +85,8 @@ contains
       end associate
    end function by_area
 
-   !> Share of the facets around each node of the slave that touch with some of their nodes alone.
+   !> Share of the facets around each node of the slave that touch with some of their nodes alone;
+   !> those that face elsewhere, as the side of a billet beside its top, have no part in it.
    subroutine find_partly(scene, model, pair, partly)
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
@@ -93,20 +95,25 @@ contains
       type(cell_type), allocatable :: cells(:)
       type(facets_type) :: f
       logical :: closed(model%mesh%nnode)
+      real(wp) :: normal(3, model%mesh%nnode)
       integer :: all_around(model%mesh%nnode), i
 
       allocate (partly(model%mesh%nnode), source=0.0_wp)
       associate (c => scene%newton%contact, s => model%surface(model%pair(pair)%slave))
          if (s%kind /= surface_of%faces) return
          closed = .false.
+         normal = 0.0_wp
          do i = 1, c%n
-            if (c%pair(i) == pair .and. c%status(i) > 0) closed(c%node(i)) = .true.
+            if (c%pair(i) /= pair .or. c%status(i) <= 0) cycle
+            closed(c%node(i)) = .true.
+            normal(:, c%node(i)) = c%normal(:, i)
          end do
          call cells_of_words(model%element_word, cells)
          call new_facets(f, model%mesh, cells, s%element, s%face)
          all_around = 0
          do i = 1, f%n
             associate (nodes => f%node(:f%nnode(i), i))
+               if (.not. is_opposite(c%masters%x(:, nodes), normal(:, nodes))) cycle
                all_around(nodes) = all_around(nodes) + 1
                if (.not. all(closed(nodes))) partly(nodes) = partly(nodes) + 1.0_wp
             end associate
@@ -114,6 +121,21 @@ contains
          partly = partly/max(1, all_around)
       end associate
    end subroutine find_partly
+
+   !> A facet that faces the master within 60 degrees at one of its nodes that touch.
+   pure logical function is_opposite(x, normal)
+      real(wp), intent(in) :: x(:, :)          !! (ndim, nodes) corners first [length]
+      real(wp), intent(in) :: normal(:, :)     !! (3, nodes) out of the master; 0: does not touch
+      real(wp) :: own(3)
+      integer :: i
+
+      if (size(x, 1) == 2) then
+         own = [x(2, 2) - x(2, 1), x(1, 1) - x(1, 2), 0.0_wp]
+      else
+         own = cross(x(:, 2) - x(:, 1), x(:, 3) - x(:, 1))
+      end if
+      is_opposite = any([(dot_product(own, normal(:, i)) < -0.5_wp*norm2(own), i=1, size(x, 2))])
+   end function is_opposite
 
    !> At the end of a step.
    subroutine tell_narrow_friction(self, scene, model, whole)

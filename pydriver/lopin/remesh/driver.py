@@ -19,6 +19,7 @@ from ..model_read_mesh import named_from
 from ..run import check
 from .body import Body, DeckParts, read_body
 from .card import RemeshCard
+from .join import has_whole_history
 from .part import Clock
 from .plane import worst_corner
 from .refusals import refuse_shared_elements, refuse_what_stays_behind
@@ -145,9 +146,9 @@ class Runner:
         return deck
 
     def _has_run(self, number: int) -> bool:
-        """Whether the results of a part are in the folder; without them it runs again."""
+        """Whether the results of a part are whole in the folder; else it runs again."""
         return self._path(number).is_file() and \
-            (self.output/f"{part_name(self.deck.name, number)}_history.csv").is_file()
+            has_whole_history(self.output, part_name(self.deck.name, number))
 
     def _part(self, deck: Deck, number: int) -> Deck | None:
         """Run a part; the deck of the next one, or None at the end."""

@@ -30,6 +30,21 @@ def join_collections(folder: Path, name: str, parts: list[str]) -> None:
             file.write_text(head + "\n".join(rows) + "\n" + tail)
 
 
+def has_whole_history(folder: Path, part: str) -> bool:
+    """Whether the history of a part has a row, with all its columns, for each increment that its
+    summary counts."""
+    path, summary = folder/f"{part}_history.csv", folder/f"{part}.json"
+    if not (path.is_file() and summary.is_file()):
+        return False
+    with reading(summary):
+        increments = sum(step["increments"] for step in json.loads(summary.read_text())["steps"])
+    with reading(path):
+        text = path.read_text()
+    rows = text.splitlines()
+    return text.endswith("\n") and len(rows) == increments + 1 \
+        and len({row.count(",") for row in rows}) == 1
+
+
 def join_histories(folder: Path, name: str, parts: list[str]) -> None:
     """One history of all parts, with a column for the part; works go on from part to part."""
     head, rows, before = ["part [-]"], [], {}
