@@ -39,21 +39,25 @@ contains
       call meet_surfaces(scene, model, error)
    end subroutine settle_formulation
 
-   !> Take pairs surface to surface, and say so.
+   !> Take pairs surface to surface, and say so: all whose facets do not match, for what one leaves
+   !> at its nodes the bodies of the others bear, too.
    subroutine integrate(scene, model, uneven)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(inout) :: model
       real(wp), intent(in) :: uneven(:)            !! (pairs)
+      character(len=:), allocatable :: how
       integer :: pair
 
       do pair = 1, size(model%pair)
-         if (.not. uneven(pair) > noticeable) cycle
+         if (uneven(pair) < 0.0_wp) cycle
          associate (p => model%pair(pair))
             p%surface_to_surface = .true.
+            how = 'stand beside a pair whose pressure they would make uneven'
+            if (uneven(pair) > noticeable) how = 'would make the pressure at its nodes uneven '// &
+               & 'by about '//to_text(100.0_wp*min(uneven(pair), all_of_it), 2)//' %'
             call scene%log%say(severity%note, 'N0347', 'pair ('//model%surface(p%slave)%name// &
-               & ', '//model%surface(p%master)%name//'): facets that do not match would make '// &
-               & 'the pressure at its nodes uneven by about '//to_text(100.0_wp* &
-               & min(uneven(pair), all_of_it), 2)//' %: carried out surface to surface', p%at, &
+               & ', '//model%surface(p%master)%name//'): facets that do not match '//how// &
+               & ': carried out surface to surface', p%at, &
                & help='TYPE=NODE TO SURFACE where contact at the nodes is meant')
          end associate
       end do

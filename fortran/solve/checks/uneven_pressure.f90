@@ -55,7 +55,7 @@ contains
       end do
    end subroutine warn_of_uneven_pressure
 
-   !> Largest deviation of a slave node's pressure from the mean; 0 where facets match, where
+   !> Largest deviation of a slave node's pressure from the mean; -1 where facets match, where
    !> contact is not at the nodes of a mesh on another, and of what is not wanted.
    function unevenness(scene, model, wanted) result(uneven)
       type(scene_type), intent(in) :: scene
@@ -68,7 +68,7 @@ contains
       type(error_type), allocatable :: error
       integer :: pair
 
-      uneven = 0.0_wp
+      uneven = -1.0_wp
       do pair = 1, size(model%pair)
          associate (p => model%pair(pair), first => scene%points%first(pair), &
             & last => scene%points%first(pair + 1) - 1)
