@@ -114,6 +114,18 @@ def test_a_pair_that_says_nothing_is_surface_to_surface_there(solve, tmp_path, k
     assert "; surface to surface where facets do not match" in said
 
 
+def test_a_coarse_slave_whose_own_pressure_is_even_goes_surface_to_surface_too(core):
+    """At its nodes alone the master would have the load: stresses off by half, without a word."""
+    deck = pressed("CPE4", 2, 6, 1.0, 0.0)
+    nodes, even, chosen = (lopin.run(Deck.parse(text, "coarse")).summary for text in (
+        deck.text(), deck.text().replace("NODE TO SURFACE", "SURFACE TO SURFACE"),
+        free(deck).text()))
+    strain = even["energy"]["strain"]
+    assert nodes["energy"]["strain"] > 1.01*strain
+    assert chosen["energy"]["strain"] == pytest.approx(strain, rel=1e-12)
+    assert "N0347" in [d["code"] for d in chosen["diagnostics"]]
+
+
 @pytest.mark.parametrize("change", [
     lambda text: text.replace("*STEP", "*STEP, NLGEOM", 1),
     lambda text: text.replace("*CONTACT PAIR,", "*CONTACT PAIR, EXTENSION ZONE=0.1,"),

@@ -1,8 +1,8 @@
 !> Pairs whose deck does not say how they are enforced, at the nodes or surface to surface.
 !>
-!> At the nodes is what a pair is that says nothing. Where its facets do not match, so that its
-!> pressure would be uneven, and surface to surface costs no more (linear scenes of the plane:
-!> docs/which-method.md), it is carried out surface to surface.
+!> At the nodes is what a pair is that says nothing. Where facets do not match, and surface to
+!> surface costs no more (linear scenes of the plane: docs/which-method.md), it is carried out
+!> surface to surface.
 module lopin_settle_formulation
    use lopin_error, only : error_type, log_type, severity
    use lopin_kinds, only : wp
@@ -32,15 +32,15 @@ contains
       if (.not. any(model%pair%open .and. .not. model%pair%surface_to_surface)) return
       if (needs_nonlinear(model)) return
       uneven = unevenness(scene, model, model%pair%open)
-      if (.not. any(uneven > noticeable)) return
+      if (.not. any(uneven >= 0.0_wp)) return
       scene%log = said
       call integrate(scene, model, uneven)
       plan%reason = plan%reason//'; surface to surface where facets do not match'
       call meet_surfaces(scene, model, error)
    end subroutine settle_formulation
 
-   !> Take pairs surface to surface, and say so: all whose facets do not match, for what one leaves
-   !> at its nodes the bodies of the others bear, too.
+   !> Take pairs surface to surface, and say so: all whose facets do not match. Where the pressure
+   !> of the slave would be even, the master would still have it at the nodes of the slave alone.
    subroutine integrate(scene, model, uneven)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(inout) :: model
@@ -52,7 +52,7 @@ contains
          if (uneven(pair) < 0.0_wp) cycle
          associate (p => model%pair(pair))
             p%surface_to_surface = .true.
-            how = 'stand beside a pair whose pressure they would make uneven'
+            how = 'would press the other side at single nodes'
             if (uneven(pair) > noticeable) how = 'would make the pressure at its nodes uneven '// &
                & 'by about '//to_text(100.0_wp*min(uneven(pair), all_of_it), 2)//' %'
             call scene%log%say(severity%note, 'N0347', 'pair ('//model%surface(p%slave)%name// &

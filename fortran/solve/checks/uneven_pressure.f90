@@ -55,8 +55,9 @@ contains
       end do
    end subroutine warn_of_uneven_pressure
 
-   !> Largest deviation of a slave node's pressure from the mean; -1 where facets match, where
-   !> contact is not at the nodes of a mesh on another, and of what is not wanted.
+   !> Largest deviation of a slave node's pressure from the mean; -1 where it is even and the slave
+   !> no coarser than the master, where contact is not at the nodes of a mesh on another, and where
+   !> it is not wanted.
    function unevenness(scene, model, wanted) result(uneven)
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
@@ -87,6 +88,8 @@ contains
                & scene%dofs, model%step(1), error)
             if (allocated(error)) return
             uneven(pair) = deviation(scene, model, constraints, pair, slave, master)
+            if (uneven(pair) <= noticeable .and. .not. is_coarser(slave, master, &
+               & scene%points%facet(first:last))) uneven(pair) = -1.0_wp
          end associate
       end do
    end function unevenness
@@ -96,23 +99,33 @@ contains
       type(surface_type), intent(in) :: slave, master
       integer, intent(in) :: facet(:)              !! (slave%nnode) opposite; 0: none
       real(wp), intent(in) :: shape(:, :)          !! (8 or more, slave%nnode)
-      real(wp) :: largest(2)
       integer :: i
 
       are_matched = .false.
-      largest = 0.0_wp
       do i = 1, slave%nnode
          if (facet(i) == 0) cycle
          if (maxval(shape(:, i)) < 1.0_wp - same) return
       end do
+      are_matched = .not. is_coarser(slave, master, facet)
+   end function are_matched
+
+   !> The largest facets of the slave that touch are larger than those of the master: nodes of the
+   !> master lie between its nodes.
+   pure logical function is_coarser(slave, master, facet)
+      type(surface_type), intent(in) :: slave, master
+      integer, intent(in) :: facet(:)              !! (slave%nnode) opposite; 0: none
+      real(wp) :: largest(2)
+      integer :: i
+
+      largest = 0.0_wp
       do i = 1, slave%nnode
          if (facet(i) == 0) cycle
          largest(1) = max(largest(1), maxval(slave%size(slave%ring(slave%ring_first(i): &
             & slave%ring_first(i + 1) - 1))))
          largest(2) = max(largest(2), master%size(facet(i)))
       end do
-      are_matched = largest(1) <= largest(2)*(1.0_wp + 1.0e-3_wp)
-   end function are_matched
+      is_coarser = largest(1) > largest(2)*(1.0_wp + 1.0e-3_wp)
+   end function is_coarser
 
    !> Largest deviation of a slave node's pressure from the mean.
    real(wp) function deviation(scene, model, constraints, pair, slave, master)
