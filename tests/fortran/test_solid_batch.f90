@@ -6,7 +6,7 @@ program test_solid_batch
    use lopin_flow_curve, only : table_flow, voce_flow, flow_type
    use lopin_hyperelastic, only : solid_law_type, hencky_law, neo_hooke_law, green_law, give_flow
    use lopin_material_memory, only : memory_size, strain_at, amplitudes_of
-   use lopin_element_batch, only : batch_type, kept_type, lanes, most, points, &
+   use lopin_element_batch, only : batch_type, kept_type, lanes, points, &
       & is_batchable, put_memory
    use lopin_solid_batch, only : evaluate_batch
    use lopin_batch_end, only : keep_batch
