@@ -11,7 +11,8 @@ module lopin_enhanced_batch
    use lopin_batch_stiffness, only : add_force, add_stiffness_in_lanes
    use lopin_enhanced_lane_motion, only : modes_lanes_type, move_lanes, enhanced_change, &
       & mode_gradient, mode_rows
-   use lopin_enhanced_lanes, only : relaxed_lanes_type, relax_lanes, products, tensor_of
+   use lopin_enhanced_lanes, only : relaxed_lanes_type, relax_lanes, whole_pivot, products, &
+      & tensor_of
    implicit none
    private
    public :: evaluate_enhanced, deform_enhanced
@@ -180,10 +181,7 @@ contains
             & - dot_product(with_nodes(:, i), relaxed%rest(l, :m))
       end do
       if (.not. with_tangent) return
-      do i = 1, m
-         pivot(i:, i) = relaxed%pivot(l, i:m, i)
-         pivot(i, i:) = relaxed%pivot(l, i:m, i)
-      end do
+      pivot = whole_pivot(element, relaxed, l)
       follow = with_nodes
       call solve_small(pivot, follow, regular)
       ke = batch%ke(l, :, :, :, :)

@@ -30,13 +30,17 @@ contains
       type(batch_type), intent(in) :: batch
       type(modes_lanes_type), intent(inout) :: motion
       logical, intent(out) :: done               !! no element is inside out in its reference shape
-      real(wp) :: total(lanes)
+      real(wp) :: inverse(lanes, 3, 3), centre(lanes), total(lanes)
       integer :: i, k
 
-      call set_modes(element, batch, motion, done)
+      call set_centre(element, batch, motion, inverse, centre)
+      done = all(centre > 0.0_wp)
       if (.not. done) return
       do k = 1, element%ngauss
          call gradients(element%nnode, batch%x, element%dn(:, :, k), motion%g(:, :, :, k), total)
+         done = all(total > 0.0_wp)
+         if (.not. done) return
+         call fill(element, inverse, centre/total, element%xi(:, k), motion%mode(:, :, :, :, k))
          motion%weight(:, k) = element%weight(k)*total
          call displacement_gradient(element%nnode, batch%u, motion%g(:, :, :, k), &
             & motion%h(:, :, :, k))
@@ -48,19 +52,18 @@ contains
       call carry(element, motion)
    end subroutine move_lanes
 
-   !> The internal modes on the reference place.
-   pure subroutine set_modes(element, batch, motion, done)
+   !> Slopes at the centre, and what its Jacobian makes of the modes.
+   pure subroutine set_centre(element, batch, motion, inverse, centre)
       type(element_type), intent(in) :: element
       type(batch_type), intent(in) :: batch
       type(modes_lanes_type), intent(inout) :: motion
-      logical, intent(out) :: done
-      real(wp), dimension(lanes, 3, 3) :: inverse, other
-      real(wp), dimension(lanes) :: centre, here, size_of
+      real(wp), intent(out) :: inverse(lanes, 3, 3)   !! times the edge of a cube as large [-]
+      real(wp), intent(out) :: centre(lanes)          !! det J; nothing else is set unless > 0
+      real(wp) :: size_of(lanes)
       integer :: a, i, k, l
 
       call invert(element%nnode, batch%x, element%dn0, inverse, centre)
-      done = all(centre > 0.0_wp)
-      if (.not. done) return
+      if (.not. all(centre > 0.0_wp)) return
       do a = 1, element%nnode
          do i = 1, 3
             motion%at_centre(:, i, a) = inverse(:, 1, i)*element%dn0(1, a) &
@@ -75,13 +78,7 @@ contains
             inverse(:, i, k) = size_of*inverse(:, i, k)
          end do
       end do
-      do k = 1, element%ngauss
-         call invert(element%nnode, batch%x, element%dn(:, :, k), other, here)
-         done = all(here > 0.0_wp)
-         if (.not. done) return
-         call fill(element, inverse, centre/here, element%xi(:, k), motion%mode(:, :, :, :, k))
-      end do
-   end subroutine set_modes
+   end subroutine set_centre
 
    !> Inverse and determinant of the Jacobian.
    pure subroutine invert(nnode, x, dn, inverse, determinant)

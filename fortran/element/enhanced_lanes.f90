@@ -17,7 +17,7 @@ module lopin_enhanced_lanes
    use lopin_batch_stiffness, only : velocity_form_in_lanes
    implicit none
    private
-   public :: relaxed_lanes_type, relax_lanes, products, tensor_of
+   public :: relaxed_lanes_type, relax_lanes, whole_pivot, products, tensor_of
 
    !> Answer of the material at a point.
    type :: answer_lanes_type
@@ -91,16 +91,26 @@ contains
       real(wp), intent(out) :: step(element%nmode)
       logical, intent(out) :: regular
       real(wp) :: pivot(element%nmode, element%nmode), right(element%nmode, 1)
+
+      pivot = whole_pivot(element, relaxed, l)
+      right(:, 1) = relaxed%force(l, :element%nmode)
+      call solve_small(pivot, right, regular)
+      step = right(:, 1)
+   end subroutine find_step
+
+   !> The stiffness of the amplitudes of a lane from its part below the diagonal.
+   pure function whole_pivot(element, relaxed, l) result(pivot)
+      type(element_type), intent(in) :: element
+      type(relaxed_lanes_type), intent(in) :: relaxed
+      integer, intent(in) :: l                   !! the lane
+      real(wp) :: pivot(element%nmode, element%nmode)
       integer :: m
 
       do m = 1, element%nmode
          pivot(m:, m) = relaxed%pivot(l, m:element%nmode, m)
          pivot(m, m:) = relaxed%pivot(l, m:element%nmode, m)
       end do
-      right(:, 1) = relaxed%force(l, :element%nmode)
-      call solve_small(pivot, right, regular)
-      step = right(:, 1)
-   end subroutine find_step
+   end function whole_pivot
 
    !> Size of the strains that the points of a lane remember.
    pure real(wp) function strained(element, batch, l)

@@ -10,11 +10,8 @@ module lopin_narrow_friction
    use lopin_text, only : to_text
    use lopin_vectors, only : cross
    use lopin_stream, only : stream_type
-   use lopin_cells, only : cell_type
-   use lopin_element_type, only : cells_of_words
-   use lopin_facets, only : facets_type, new_facets
    use lopin_friction, only : has_friction, friction_radius
-   use lopin_model, only : model_type, surface_of
+   use lopin_model, only : model_type
    use lopin_slip_increment, only : condition_at, dissipated
    use lopin_scene, only : scene_type
    use lopin_repeated_messages, only : warn_once
@@ -92,15 +89,13 @@ contains
       type(model_type), intent(in) :: model
       integer, intent(in) :: pair
       real(wp), allocatable, intent(out) :: partly(:)   !! (nnode) [-]
-      type(cell_type), allocatable :: cells(:)
-      type(facets_type) :: f
       logical :: closed(model%mesh%nnode)
       real(wp) :: normal(3, model%mesh%nnode)
       integer :: all_around(model%mesh%nnode), i
 
       allocate (partly(model%mesh%nnode), source=0.0_wp)
-      associate (c => scene%newton%contact, s => model%surface(model%pair(pair)%slave))
-         if (s%kind /= surface_of%faces) return
+      associate (c => scene%newton%contact, own => scene%newton%contact%masters%of(pair))
+         if (.not. own%has_slave_faces) return
          closed = .false.
          normal = 0.0_wp
          do i = 1, c%n
@@ -108,11 +103,9 @@ contains
             closed(c%node(i)) = .true.
             normal(:, c%node(i)) = c%normal(:, i)
          end do
-         call cells_of_words(model%element_word, cells)
-         call new_facets(f, model%mesh, cells, s%element, s%face)
          all_around = 0
-         do i = 1, f%n
-            associate (nodes => f%node(:f%nnode(i), i))
+         do i = 1, own%slave%n
+            associate (nodes => own%slave%node(:own%slave%nnode(i), i))
                if (.not. is_opposite(c%masters%x(:, nodes), normal(:, nodes))) cycle
                all_around(nodes) = all_around(nodes) + 1
                if (.not. all(closed(nodes))) partly(nodes) = partly(nodes) + 1.0_wp
