@@ -7,7 +7,8 @@
 of a ring of radii 7.5 and 15 and half height 5 mm, n x 3 n x 1.5 n bricks; both upset to 40 % in
 fifty increments under a stiff meshed plate, mu = 0.1, node to surface. `cup:n`: the deck of
 decks/make/square_cup.py with n cells. `--share`: only this part of the way. CPU seconds of one
-thread, least of the runs, phases by their share of the wall; the force is the last one printed.
+thread, least of the runs, phases by their share of the wall; the force is the last one printed, of
+the cup that of the punch.
 """
 from __future__ import annotations
 
@@ -68,7 +69,10 @@ def deck(kind: str, n: int, share: float) -> str:
     if kind in ("billet", "ring"):
         return upset(kind, n, share)
     from square_cup import square_cup
-    return square_cup(cells=n, stroke=15.0*share)
+    printed = "*NODE PRINT, NSET=BLANK.TIP\nU\n"
+    text = square_cup(cells=n, stroke=15.0*share)
+    assert printed in text
+    return text.replace(printed, "*NODE PRINT, NSET=PUNCH_REF\nRF\n")
 
 
 def run(program: str, folder: Path) -> dict:

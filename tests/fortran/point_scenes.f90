@@ -28,6 +28,7 @@ module point_scenes
    use lopin_nonlinear_samples, only : find_sample_feet, offset_of
    use lopin_master_surfaces, only : masters_type, move_masters
    use lopin_contact_element, only : evaluate_point
+   use lopin_tool_point, only : evaluate_tool_point
    use lopin_local_matrix, only : local_matrix_type
    use patch_scenes, only : patch_names, patch_dimension, is_dome, new_patch
    implicit none
@@ -64,6 +65,8 @@ module point_scenes
       type(opposite_type) :: opposite
       type(point_state_type) :: state
       real(wp), allocatable :: k(:, :), spring(:, :), residual(:)   !! (ndof + ndim)
+      logical :: alone = .false.               !! by lopin_tool_point
+      logical :: reads_tool = .true.           !! with it
    end type point_scene_type
 
 contains
@@ -419,11 +422,21 @@ contains
       point%anchor => self%anchor
       law = point_law_type(self%enforcement, self%friction, self%at, self%shift, lambda, first, &
          & wanted)
-      call evaluate_point(self%state, local, point, law)
+      if (self%alone) then
+         call evaluate_tool_point(self%state, local, point, law, self%reads_tool)
+      else
+         call evaluate_point(self%state, local, point, law)
+      end if
       n = self%dofs%n + self%ndim
       self%residual = spread(0.0_wp, 1, n)
       self%k = reshape(spread(0.0_wp, 1, n*n), [n, n])
       self%spring = self%k
+      if (self%is_tool) then
+         do a = 1, 6
+            b = self%dofs%id(a, 2)
+            if (b > 0) self%residual(b) = -self%state%reaction(a)
+         end do
+      end if
       do a = 1, size(local%dof)
          if (a <= local%nu) then
             self%residual(local%dof(a)) = self%residual(local%dof(a)) - self%state%force(a)

@@ -23,6 +23,7 @@ program test_contact_point
    call no_coefficient()
    call sticks_between_two_ways()
    call turned_scenes()
+   call alone_on_tools()
    call finish()
 
 contains
@@ -296,6 +297,58 @@ contains
          end do
       end do
    end subroutine sticks_between_two_ways
+
+   !> A node opposite a tool that does not turn: forces, and slopes by what its kernel reads, are
+   !> those of the kernel that reads all.
+   subroutine alone_on_tools()
+      integer, parameter :: first_tool = 7, last_tool = 14
+      integer :: kind, master, law, regularization
+
+      do kind = 1, tied_grip - 1
+         do master = first_tool, last_tool
+            do law = 0, size(law_names)
+               do regularization = 1, merge(1, size(regularization_names), law == 0)
+                  call alone_on_tool(kind, master, law, regularization)
+               end do
+            end do
+         end do
+      end do
+   end subroutine alone_on_tools
+
+   subroutine alone_on_tool(kind, master, law, regularization)
+      integer, intent(in) :: kind, master, law, regularization
+      type(point_scene_type) :: scene
+      real(wp), allocatable :: u(:), residual(:), k(:, :), spring(:, :)
+      integer, allocatable :: read(:)
+      real(wp) :: lambda(3), scale
+      integer :: i, d, reads
+
+      call test('alone: '//trim(grip_names(kind))//' on '//trim(master_names(master))//', law '// &
+         & achar(48 + law)//achar(48 + regularization))
+      call new_point_scene(scene, trim(master_names(master)), kind)
+      scene%friction = law_with(law, regularization)
+      if (law == 0) scene%friction%law = law_of%none
+      d = scene%ndim
+      u = random(scene%dofs%n, 0.02_wp)
+      call look(scene, u, [0.0_wp, 0.0_wp, 0.0_wp])
+      lambda = 5.0_wp*scene%state%normal
+      lambda(:d) = lambda(:d) + random(d, 1.0_wp)
+      call look(scene, u, lambda)
+      residual = scene%residual
+      k = scene%k
+      spring = scene%spring
+      scale = maxval(abs(k))
+      scene%alone = .true.
+      do reads = 0, 1
+         scene%reads_tool = reads > 0
+         call look(scene, u, lambda)
+         call close_to('forces and row', scene%residual, residual, 1.0e-12_wp*norm2(residual))
+         read = [(i, i=1, merge(2*d, d, scene%reads_tool)), (scene%dofs%n + i, i=1, d)]
+         call close_to('slopes', scene%k(read, read)/scale, k(read, read)/scale, 1.0e-12_wp)
+         call close_to('springs', scene%spring(read, read)/scale, spring(read, read)/scale, &
+            & 1.0e-12_wp)
+      end do
+   end subroutine alone_on_tool
 
    subroutine turned_scenes()
       type(point_scene_type) :: scene

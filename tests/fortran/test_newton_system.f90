@@ -114,7 +114,7 @@ contains
       call is_true('by GMRES', .not. system%direct)
       most = 30
       if (present(firm)) most = firm
-      call is_true('few products', system%krylov <= most)
+      call is_true('few products', system%krylov%last <= most)
       call solve_whole(system, right, whole, clock, counter, bad, error)
       call close_to('step', step/maxval(abs(whole)), whole/maxval(abs(whole)), 1.0e-8_wp)
    end subroutine agrees_with_the_whole

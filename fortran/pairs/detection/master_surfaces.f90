@@ -29,6 +29,9 @@ module lopin_master_surfaces
 
    type :: master_type
       integer :: tool = 0, body = 0                !! of the model; 0: none
+      logical :: held = .false.                    !! a tool of which nothing is solved for
+      logical :: floats = .false.                  !! how it turns is solved for
+      logical :: turns = .false.                   !! as prescribed, in this increment
       type(surface_type) :: surface
       type(tree_type) :: tree
       type(limits_type) :: limits

@@ -34,6 +34,7 @@ contains
       integer :: columns, d, places, pair
 
       d = point%model%mesh%ndim
+      state%reaction = 0.0_wp
       weight = point%points%weight(point%i)
       pair = point%points%pair(point%i)
       call list_inputs(inputs, point, law%first_row)

@@ -99,6 +99,8 @@ module lopin_contact_row
       real(wp) :: slip(3) = 0.0_wp             !! of the increment [length]
       real(wp) :: row(3) = 0.0_wp              !! residuals of its multiplier [length]
       real(wp) :: weight = 0.0_wp              !! of a mortar row [area]
+      real(wp) :: reaction(6) = 0.0_wp         !! on the reference of a tool of which nothing is
+                                               !! solved for [force], [force length]
       real(wp), allocatable :: force(:)        !! on the first nu dofs of the local matrix [force]
    end type point_state_type
 

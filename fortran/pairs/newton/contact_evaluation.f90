@@ -9,17 +9,19 @@ module lopin_contact_evaluation
    use lopin_closest_feature, only : anchor_of
    use lopin_facet_hysteresis, only : record_facet
    use lopin_nonlinear_faces, only : find_inner_feet
-   use lopin_nonlinear_samples, only : find_sample_feet, row_value
+   use lopin_nonlinear_samples, only : find_sample_feet
    use lopin_friction, only : has_friction
    use lopin_contact_row, only : take_corner, point_state_type, point_law_type
    use lopin_contact_inputs, only : point_view_type
    use lopin_contact_element, only : evaluate_point
+   use lopin_tool_point, only : evaluate_tool_point
    use lopin_mortar_element, only : evaluate_mortar_point
    use lopin_nonlinear_contact, only : nonlinear_contact_type
    use lopin_contact_detection, only : find_closest_features, detect_contact, is_excluded
    use lopin_slip_increment, only : condition_at, speed_of
    use lopin_slave_areas, only : find_growth, find_growth_slopes
    use lopin_touch_onset, only : may_touch, note_approach
+   use lopin_clear_rows, only : shift_of, is_clear, is_alone, reads_tool
    use lopin_touch_path, only : find_gap_path
    implicit none
    private
@@ -47,11 +49,7 @@ contains
       self%soft_error = 0.0_wp
       call detect_all(self, model, u, with_tangent, error)
       if (allocated(error)) return
-      point%model => model
-      point%dofs => self%dofs
-      point%basis => self%basis
-      point%masters => self%masters
-      point%points => self%nonlinear_points_type
+      call view_points(point, self, model)
       law%with_tangent = with_tangent
       call mark_corners(self, model, multiplier)
       do i = 1, self%n
@@ -71,6 +69,9 @@ contains
                   call evaluate_mortar_point(self%trial(i), local, mortar, self%dofs, &
                      & self%masters%x, self%patch(i), self%mortar_anchor(i), law)
                   self%weight(i) = self%trial(i)%weight
+               else if (is_alone(self, i, law)) then
+                  call evaluate_tool_point(self%trial(i), local, point, law, &
+                     & reads_tool(self, i, law))
                else
                   call evaluate_point(self%trial(i), local, point, law)
                end if
@@ -80,7 +81,7 @@ contains
                if (.not. again) exit
             end do
          end associate
-         call collect(self, i, d, law)
+         call collect(self, model, i, d, law)
       end do
       if (with_tangent) call record_facets(self)
       call estimate_softness(self)
@@ -88,6 +89,19 @@ contains
       self%enforcement%grazing = 0.0_wp
       self%enforcement%clings = .false.
    end subroutine evaluate_contact
+
+   !> All points, of which one is looked at.
+   subroutine view_points(point, self, model)
+      type(point_view_type), intent(out) :: point
+      type(nonlinear_contact_type), intent(in), target :: self
+      type(model_type), intent(in), target :: model
+
+      point%model => model
+      point%dofs => self%dofs
+      point%basis => self%basis
+      point%masters => self%masters
+      point%points => self%nonlinear_points_type
+   end subroutine view_points
 
    !> Nodes that two walls of a tool press, with unknown tractions: what the other wall keeps a
    !> point from is no slip on its own.
@@ -239,41 +253,6 @@ contains
       end if
    end subroutine detect_all
 
-   !> Added to the gap of a row: ADJUST, CLEARANCE, and overclosures that are not yet applied.
-   pure real(wp) function shift_of(self, i)
-      type(nonlinear_contact_type), intent(in) :: self
-      integer, intent(in) :: i
-
-      if (self%share(i) > 0.0_wp) then
-         shift_of = row_value(self, i, self%shift) &
-            & + (1.0_wp - self%interference)*row_value(self, i, self%overclosure)
-         if (.not. allocated(self%opposite(i)%inner)) shift_of = shift_of &
-            & + (1.0_wp - self%early_share)*self%early(i)
-      else
-         shift_of = self%shift(i) + (1.0_wp - self%interference)*self%overclosure(i)
-      end if
-   end function shift_of
-
-   !> A mortar row that its values already show to be open: its slopes, which cost most of it, are
-   !> not needed.
-   pure logical function is_clear(self, i, law)
-      type(nonlinear_contact_type), intent(in) :: self
-      integer, intent(in) :: i
-      type(point_law_type), intent(in) :: law
-      real(wp) :: along, gap
-
-      is_clear = .false.
-      associate (g => self%enforcement(i), o => self%opposite(i))
-         if (.not. self%mortar(self%pair(i))%is_on .or. g%bilateral) return
-         along = dot_product(law%lambda, o%normal)
-         if (g%tied .or. .not. g%method%solves_for_multiplier()) return
-         gap = o%foot%gap + law%shift + g%method%penetration(along, g%slope)
-         if (g%method%updates()) gap = gap &
-            & - g%method%penetration(dot_product(g%frozen, o%normal), g%slope)
-         is_clear = along - g%c*gap < -g%grazing .and. gap > 0.0_wp
-      end associate
-   end function is_clear
-
    !> A row without force, with its gap and its normal.
    subroutine stay_clear(self, i, d, law, normal, gap)
       type(nonlinear_contact_type), intent(inout) :: self
@@ -322,9 +301,25 @@ contains
       end associate
    end subroutine stay_open
 
-   !> Forces, row and results of one evaluated point; none of one without a row.
-   subroutine collect(self, i, d, law)
+   !> What a tool of which nothing is solved for bears.
+   pure subroutine bear(self, model, i)
       type(nonlinear_contact_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: i
+      integer :: k
+
+      do k = 1, 6
+         associate (dof => self%dofs%id(k, model%rigid_body(self%masters%of(self%pair(i))%body) &
+            & %reference))
+            if (dof > 0) self%force(dof) = self%force(dof) + self%trial(i)%reaction(k)
+         end associate
+      end do
+   end subroutine bear
+
+   !> Forces, row and results of one evaluated point; none of one without a row.
+   subroutine collect(self, model, i, d, law)
+      type(nonlinear_contact_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
       integer, intent(in) :: i, d
       type(point_law_type), intent(in) :: law
       integer :: k
@@ -339,6 +334,7 @@ contains
          do k = 1, l%nu
             self%force(l%dof(k)) = self%force(l%dof(k)) + t%force(k)
          end do
+         if (self%masters%of(self%pair(i))%body > 0) call bear(self, model, i)
          if (self%first_row(i) > 0) self%row(self%first_row(i):self%first_row(i) + d - 1) = &
             & t%row(:d)
          self%status(i) = t%status

@@ -85,6 +85,7 @@ module lopin_nonlinear_contact
       real(wp) :: noted = 0.0_wp   !! > 0: the next evaluation stands this share of the way from the
                                    !! start to where the increment leads before contacts close
       real(wp) :: ahead = 1.0_wp   !! share of the way that the first step of Newton goes; 0: past
+      logical :: has_arrived = .false.   !! what is prescribed has been applied: no slopes in it
       type(dofs_type) :: dofs
       type(facet_basis_type) :: basis
       type(masters_type) :: masters

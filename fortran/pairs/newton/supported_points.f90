@@ -13,6 +13,7 @@ module lopin_supported_points
    use lopin_friction, only : has_friction
    use lopin_tie_release, only : released_directions
    use lopin_nonlinear_contact, only : nonlinear_contact_type
+   use lopin_held_tools, only : find_held_tools
    implicit none
    private
    public :: find_supported_points
@@ -37,6 +38,7 @@ contains
       nil = 0.0_wp
       call expand(constraints, nil, [(prescribed(i) - raw_displacement(constraints, self%dofs, u, &
          & constraints%dof_of_prescribed(i)), i=1, size(prescribed))], moved)
+      call find_held_tools(self, model, constraints, moved)
       do i = 1, self%n
          associate (g => self%enforcement(i)%space)
             g%supported = .false.

@@ -140,12 +140,12 @@ contains
             k = neq + c%first_row(i)
             right(k:k + d - 1) = c%pressure(i)/c%enforcement(i)%slope*c%normal(:d, i)
          end do
-         krylov = system%krylov
-         most = system%most_krylov
+         krylov = system%krylov%last
+         most = system%krylov%most
          call solve_step(system, right, tolerance, step, scene%clock, &
             & scene%counter, bad, error)
-         system%krylov = krylov
-         system%most_krylov = most
+         system%krylov%last = krylov
+         system%krylov%most = most
          share = 1.0_wp
          if (allocated(error) .or. bad > 0) return
          allocate (change(size(model%pair)), force(size(model%pair)), source=0.0_wp)

@@ -107,6 +107,7 @@ contains
             scene%newton%grounded = scene%newton%grounded + 1
          end do
          if (pass > 1) call limit_motion(scene, step(:neq))
+         contact%has_arrived = .true.
       end associate
    end subroutine find_step
 

@@ -22,7 +22,7 @@ module lopin_pseudo_transient
    use lopin_line_search, only : search_type, take_step
    use lopin_predictor, only : iterate_type
    use lopin_semismooth_newton, only : solve_newton
-   use lopin_slip_increment, only : forget_sliding
+   use lopin_held_tools, only : start_motion
    use lopin_scene, only : scene_type
    implicit none
    private
@@ -179,7 +179,7 @@ contains
 
       scene%newton%damping%on = .true.
       ! What moves on its way slides as it may.
-      call forget_sliding(scene%newton%contact)
+      call start_motion(scene%newton%contact)
       scene%newton%damping%rate = 1.0_wp/self%time
       scene%newton%damping%from = scene%trial%motion%u
       allocate (remaining(scene%dofs%n), source=0.0_wp)

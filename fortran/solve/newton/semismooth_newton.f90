@@ -22,7 +22,7 @@ module lopin_semismooth_newton
    use lopin_check_mesh, only : folding_at
    use lopin_lagged_friction, only : reads_lagged, renew_lagged, share_of_new, may_relax
    use lopin_first_increment, only : size_first, flows_far
-   use lopin_slip_increment, only : forget_sliding
+   use lopin_held_tools, only : start_motion
    use lopin_scene, only : scene_type
    use lopin_tell_watcher, only : tell_of_iteration
    use lopin_worst_residual, only : describe_worst
@@ -86,7 +86,7 @@ contains
       it%guessed = iterate%guessed .and. loop == 0
       scene%newton%contact%noted = merge(scene%newton%contact%ahead, 0.0_wp, it%guessed)
       if (scene%bodies%nq > 0 .and. loop == 0) scene%newton%contact%enforcement%clings = .true.
-      call forget_sliding(scene%newton%contact)
+      call start_motion(scene%newton%contact)
       call evaluate(scene, model, f, .true., it%evaluation, error)
       scene%newton%contact%noted = 0.0_wp
       if (.not. allocated(error)) call look_at_start(it, scene, model, iterate, error)
@@ -392,7 +392,7 @@ contains
       associate (c => scene%newton%contact)
          write (text, '(i4,3(1x,es12.4),1x,f8.5,3(1x,i6),1x,i6,1x,a)') iteration, size, share, &
             & count(c%status(:c%n) == 0), count(c%status(:c%n) == 1), &
-            & count(c%status(:c%n) == 2), scene%newton%system%krylov, &
+            & count(c%status(:c%n) == 2), scene%newton%system%krylov%last, &
             & trim(merge('   old', '      ', simplified))
       end associate
       call add_line(scene%newton, text)

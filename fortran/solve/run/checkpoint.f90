@@ -126,9 +126,9 @@ contains
       type(stream_type), intent(inout) :: stream
 
       call stream%pass(self%system%reason)
-      call stream%pass(self%system%krylov)
-      call stream%pass(self%system%most_krylov)
-      call stream%pass(self%system%whole_factors)
+      call stream%pass(self%system%krylov%last)
+      call stream%pass(self%system%krylov%most)
+      call stream%pass(self%system%krylov%whole_factors)
       call stream%pass(self%contact%cost%query)
       call stream%pass(self%contact%cost%box)
       call stream%pass(self%contact%cost%projection)

@@ -30,6 +30,8 @@ module lopin_newton_system
    use lopin_contact_block, only : block_type, reduce_block, set_spring, add_product, &
       & add_up_springs
    use lopin_firm_springs, only : set_firm, push_back, give_back
+   use lopin_packed_blocks, only : packed_blocks_type, pack_blocks, add_packed, push_packed, &
+      & give_packed
    use lopin_contact_sum, only : add_up_contacts
    use lopin_tied_equations, only : tied_equations_type, find_tied, take_out, give_own, &
       & gather_kept, find_tied_forces, vertices_of_kept
@@ -37,10 +39,18 @@ module lopin_newton_system
    private
    public :: newton_system_type, set_tangent, add_ground_springs, solve_step, solve_whole
 
+   !> What the linear systems of a run took.
+   type :: krylov_counts_type
+      integer :: last = 0                      !! iterations of the last step
+      integer :: most = 0                      !! largest number in the run
+      integer :: whole_factors = 0             !! times the whole matrix was factorised in the run
+   end type krylov_counts_type
+
    type, extends(operator_type) :: newton_system_type
       integer :: neq = 0, n = 0                !! equations; with multipliers
       type(csc_type) :: k                      !! reduced K
       type(block_type), allocatable :: block(:)
+      type(packed_blocks_type) :: packed       !! the small ones
       real(wp), allocatable :: scale(:)        !! (n - neq) turns row residuals into forces
       real(wp), allocatable :: area(:)         !! (n - neq) turns multipliers into forces
       type(csc_type) :: matrix                 !! what is factorised: K + springs, without ties
@@ -55,9 +65,7 @@ module lopin_newton_system
       logical :: factorised = .false.
       type(lagged_factor_type) :: lag          !! the factor of an earlier tangent, if it does
       logical :: direct = .false.              !! the whole matrix is factorised
-      integer :: krylov = 0                    !! iterations of the last step
-      integer :: most_krylov = 0               !! largest number in the run
-      integer :: whole_factors = 0             !! times the whole matrix was factorised in the run
+      type(krylov_counts_type) :: krylov
    contains
       procedure :: multiply
       procedure :: precondition
@@ -99,6 +107,7 @@ contains
          if (self%firm .and. allocated(self%block(i)%reach)) call set_firm(self%block(i), &
             & local(i), self%neq, self%scale, self%area, diagonal)
       end do
+      call pack_blocks(self%packed, self%block, self%neq, self%scale, self%area)
       self%lag%at_hand = self%lag%may .and. .not. (self%lag%failed .or. self%direct) &
          & .and. (self%factorised .or. self%lag%at_hand)
       self%lag%may = .false.
@@ -141,6 +150,7 @@ contains
          allocate (spring(i)%spring, source=spring(i)%k)
       end do
       self%block = [self%block, spring]
+      call pack_blocks(self%packed, self%block, self%neq, self%scale, self%area)
       self%factorised = .false.
       self%lag%at_hand = .false.
       self%direct = .false.
@@ -164,10 +174,10 @@ contains
          & call factorise_springs(self, clock, counter, bad, error)
       if (allocated(error)) return
       do while (bad == 0 .and. .not. self%direct)
-         call gmres(self, as_forces(self, right), tolerance, limit_of(self%lag, self%krylov, &
-            & tolerance, self%solver%most_iterations), step, self%krylov, ratio)
-         counter%back_solves = counter%back_solves + self%krylov
-         self%most_krylov = max(self%most_krylov, self%krylov)
+         call gmres(self, as_forces(self, right), tolerance, limit_of(self%lag, self%krylov%last, &
+            & tolerance, self%solver%most_iterations), step, self%krylov%last, ratio)
+         counter%back_solves = counter%back_solves + self%krylov%last
+         self%krylov%most = max(self%krylov%most, self%krylov%last)
          call clock%stop_in(phase%solve)
          if (self%lag%at_hand .and. .not. ratio <= tolerance) then
             self%lag%at_hand = .false.
@@ -251,8 +261,9 @@ contains
 
       call self%k%multiply(x(:self%neq), y(:self%neq))
       y(self%neq + 1:) = 0.0_wp
-      do b = 1, size(self%block)
-         call add_product(self%block(b), x, y)
+      call add_packed(self%packed, x, y)
+      do b = 1, size(self%packed%large)
+         call add_product(self%block(self%packed%large(b)), x, y)
       end do
       y(self%neq + 1:) = self%scale*y(self%neq + 1:)
    end subroutine multiply
@@ -269,8 +280,9 @@ contains
       y(self%neq + 1:) = x(self%neq + 1:)/self%area
       if (self%tied%n > 0) y(self%tied%row) = 0.0_wp
       y(:self%neq) = x(:self%neq)
-      do b = 1, size(self%block)
-         call push_back(self%block(b), y(:self%neq), y)
+      call push_packed(self%packed, y)
+      do b = 1, size(self%packed%large)
+         call push_back(self%block(self%packed%large(b)), y(:self%neq), y)
       end do
       if (self%tied%n > 0) then
          call solve_tied(self, x, y)
@@ -280,8 +292,9 @@ contains
          y(:self%neq) = du(:, 1)
       end if
       if (self%n == self%neq) return
-      do b = 1, size(self%block)
-         call give_back(self%block(b), self%neq, self%scale, self%area, y)
+      call give_packed(self%packed, y)
+      do b = 1, size(self%packed%large)
+         call give_back(self%block(self%packed%large(b)), self%neq, self%scale, self%area, y)
       end do
       if (self%tied%n > 0) call find_tie_forces(self, x, y)
    end subroutine precondition
@@ -370,7 +383,7 @@ contains
       call clock%stop_in(phase%analyse)
       call self%whole%factorise(matrix, bad, error)
       counter%factorisations = counter%factorisations + 1
-      self%whole_factors = self%whole_factors + 1
+      self%krylov%whole_factors = self%krylov%whole_factors + 1
       call clock%stop_in(phase%factorise)
       if (bad > 0 .and. allocated(error)) deallocate (error)
       self%direct = .not. (bad > 0 .or. allocated(error))
