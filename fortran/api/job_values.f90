@@ -45,6 +45,8 @@ contains
          call job_clock(running, table)
       case ('STATE OF MOTION')
          call job_motion(running, model, table)
+      case ('STATE OF FORCES')
+         call job_forces(running, model, table)
       end select
    end subroutine read_open_run
 
@@ -97,6 +99,21 @@ contains
          table(5, :) = accepted%loads%before
       end associate
    end subroutine job_motion
+
+   !> A column a degree of freedom: label of the node, dof, force that holds the stresses of the
+   !> solids in balance, which is that of loads, supports and contacts.
+   subroutine job_forces(running, model, table)
+      type(running_type), intent(in) :: running
+      type(model_type), intent(in) :: model
+      real(wp), allocatable, intent(inout) :: table(:, :)   !! (3, ndof)
+
+      associate (dofs => running%run%scene%dofs)
+         allocate (table(3, dofs%n))
+         table(1, :) = model%mesh%node_label(dofs%node(:dofs%n))
+         table(2, :) = dofs%dof(:dofs%n)
+         table(3, :) = running%run%scene%accepted%loads%internal
+      end associate
+   end subroutine job_forces
 
    !> What the slave nodes of an open run bear: pair, label of the node, traction (3) [stress], slip
    !> from the stick anchor (3) [length]; not allocated without contact on the present shape.

@@ -112,6 +112,8 @@ module lopin_state
       real(wp), allocatable :: steady(:)       !! (ndof) loads without amplitude [force]
       real(wp), allocatable :: force(:)        !! (ndof) all loads [force]
       real(wp), allocatable :: reaction(:)     !! (ndof) of the supports [force]
+      real(wp), allocatable :: internal(:)     !! (ndof) of the solids: what holds their stresses in
+                                               !! balance [force]
       real(wp), allocatable :: released(:)     !! (ndof) of pairs the next step takes away; fading
       real(wp) :: work = 0.0_wp                !! of loads and prescribed displacements [energy]
       real(wp) :: most = 0.0_wp                !! largest energy that was about [energy]
@@ -313,6 +315,7 @@ contains
       call stream%pass(self%steady)
       call stream%pass(self%force)
       call stream%pass(self%reaction)
+      call stream%pass(self%internal)
       call stream%pass(self%released)
       call stream%pass(self%work)
       call stream%pass(self%most)

@@ -81,7 +81,7 @@ def next_operation(job: Job, elset: str, cards: str, *, name: str,
     """
     from .remesh.body import DeckParts, read_body
     from .remesh.part import _mesh_blocks, _surface, new_labels
-    from .remesh.remake import state_block
+    from .remesh.part import state_block
     from .remesh.separate import counted
     from .remesh.state import Snapshot
 

@@ -79,11 +79,12 @@ U
 """, name="oval")
 
 
-@pytest.mark.parametrize("word, right, law", [("CPE4", 0.0, NORTON), ("CAX4", 5.0, NORTON)])
-def test_a_fold_closes_over_new_meshes(word, right, law, core, tmp_path):
+@pytest.mark.parametrize("word, right, law, period", [("CPE4", 0.0, NORTON, 0.3),
+                                                      ("CAX4", 5.0, NORTON, 0.2)])
+def test_a_fold_closes_over_new_meshes(word, right, law, period, core, tmp_path):
     """The force once it is closed is that of one mesh (it doubles within 2 % of the way there); no
     node enters the other side; volume."""
-    scene = oval(word, right=right, law=law)
+    scene = oval(word, f"PERIOD={period}, STRAIN=10., SIZE=.8, SMALLEST=.3", right=right, law=law)
     report = run(scene, tmp_path/"whole")
     folded = [r for r in report.remeshes if r.moved.get("folded", 0) > 10]
     assert len(report.remeshes) >= 4 and folded

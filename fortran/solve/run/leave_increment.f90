@@ -34,6 +34,7 @@ contains
          moved = scene%trial%motion%u - scene%accepted%motion%u
          after%force = forces%load
          after%reaction = forces%residual
+         after%internal = forces%internal
          after%work = before%work + 0.5_wp*dot_product(after%force + before%force &
             & + after%reaction + before%reaction, moved)
          frame%energy%external = after%work

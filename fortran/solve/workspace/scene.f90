@@ -131,7 +131,7 @@ contains
       call new_friction_history(self%accepted%friction, self%initial%touches)
       associate (loads => self%accepted%loads)
          allocate (loads%steady(self%dofs%n), loads%force(self%dofs%n), &
-            & loads%reaction(self%dofs%n), source=0.0_wp)
+            & loads%reaction(self%dofs%n), loads%internal(self%dofs%n), source=0.0_wp)
       end associate
       allocate (self%accepted%solver%candidate(self%points%n), source=.true.)
       call begin(self%trial, self%accepted)

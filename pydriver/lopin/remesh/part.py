@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ..deck import Block, Deck, Row
 from ..model_read_mesh import plain
 from .body import SIMPLEX, Body, DeckParts, boundary_facets
+from .transfer import DAMAGE, DILATATION, FLOW, PLASTIC, RATIO, STRAIN, WORK
 
 _MESH_CARDS = ("NODE", "ELEMENT", "NSET", "ELSET")
 #: Cards of the start that the state of the last part replaces.
@@ -240,3 +241,20 @@ def _surface(parts: DeckParts, body: Body, mesh: NewMesh, block: Block,
     new.lines = [row for row in block.data if stays(row)]
     new.lines += [Row([int(labels[owner[k, 0]]), f"S{owner[k, 1]}"]) for k in wanted]
     return new
+
+
+def state_block(parts: DeckParts, body: Body, mesh: NewMesh, states) -> Block:
+    """*INITIAL CONDITIONS, TYPE=STATE of the new elements."""
+    _, labels = new_labels(parts, body, mesh)
+    rows = []
+    for own, values in zip(labels, states):
+        if body.word.endswith("R"):
+            values = values.mean(axis=1, keepdims=True)
+        for label, points in zip(own, values):
+            for k, v in enumerate(points):
+                numbers = [*v[STRAIN], v[DILATATION], v[RATIO], v[PLASTIC], v[FLOW], v[WORK]]
+                if v[DAMAGE].any():
+                    numbers += [*v[DAMAGE]]
+                point = k + 1 if len(points) > 1 else 0   # all
+                rows.append([int(label), point, *map(float, numbers)])
+    return Block("INITIAL CONDITIONS", {"TYPE": "STATE"}, rows)

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 from ..deck import Block, Deck
 from ..errors import UsageError
 from ..points import Points
+from .balance import in_balance
 from .body import Body, DeckParts, direct_labels, pair_names, read_body, refused
 from .card import RemeshCard
-from .part import NewMesh, SkinOrigin, new_labels, next_deck
+from .part import NewMesh, SkinOrigin, new_labels, next_deck, state_block
 from .planar import remesh_plane
 from .plane import worst_corner
 from .report import Remesh
@@ -20,19 +21,12 @@ from .spatial import remesh_space
 from .state import Snapshot
 from .tools import Tools
 from .transfer import (
-    DAMAGE,
-    DILATATION,
-    FLOW,
     PLASTIC,
-    RATIO,
     STRAIN,
-    WORK,
     Locator,
-    admissible,
     cell_fields,
     equivalent,
     fields_of,
-    highest_strain,
     quartered,
     transfer,
 )
@@ -67,8 +61,7 @@ def remake(deck: Deck, last: Snapshot, tools: Tools, card: RemeshCard, why: str,
     mesh, moved, origin = make(body, last, card, tools, fields)
     refuse_lost_names(body, last.x, mesh)
     states, weights = transfer(fields, Locator(x, cells), mesh.x, mesh.cells, body.axisymmetric)
-    highest = highest_strain(last.points)
-    states, over = zip(*(admissible(s, highest) for s in states))
+    states, over = in_balance(parts, body, mesh, states, weights, last, tools, folder)
     done = Remesh(part, last.clock.total, why, sum(len(c) for c in mesh.cells),
                   worst_corner(mesh.x, mesh.cells), moved,
                   *integrals(last.points, states, weights, body.axisymmetric),
@@ -133,23 +126,6 @@ def integrals(points: Points, states, weights, axisymmetric: bool) -> tuple[floa
 
     return (change(points.plastic, [s[..., PLASTIC] for s in states]),
             change(equivalent(points.strain)**2, [equivalent(s[..., STRAIN])**2 for s in states]))
-
-
-def state_block(parts: DeckParts, body: Body, mesh: NewMesh, states) -> Block:
-    """*INITIAL CONDITIONS, TYPE=STATE of the new elements."""
-    _, labels = new_labels(parts, body, mesh)
-    rows = []
-    for own, values in zip(labels, states):
-        if body.word.endswith("R"):
-            values = values.mean(axis=1, keepdims=True)
-        for label, points in zip(own, values):
-            for k, v in enumerate(points):
-                numbers = [*v[STRAIN], v[DILATATION], v[RATIO], v[PLASTIC], v[FLOW], v[WORK]]
-                if v[DAMAGE].any():
-                    numbers += [*v[DAMAGE]]
-                point = k + 1 if len(points) > 1 else 0   # all
-                rows.append([int(label), point, *map(float, numbers)])
-    return Block("INITIAL CONDITIONS", {"TYPE": "STATE"}, rows)
 
 
 def kept_block(session, body: Body) -> list[Block]:

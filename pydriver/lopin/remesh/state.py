@@ -21,6 +21,7 @@ class Snapshot:
     points : what its integration points hold
     tractions : what slave nodes bear; None without contact
     clock : where the run stands
+    forces : a row a degree of freedom: label, dof, force that holds the stresses in balance
     motion : a row a degree of freedom: label, dof, displacement, where the step began, load
     """
 
@@ -28,6 +29,7 @@ class Snapshot:
     points: Points
     tractions: Tractions | None
     clock: Clock
+    forces: NDArray
     motion: NDArray
 
     @classmethod
@@ -39,12 +41,16 @@ class Snapshot:
             raise refused("the material remembers nothing that a new mesh could go on with",
                           "remeshing is for metals that flow")
         return cls(present_places(body, motion), points, job.tractions, Clock.of(job._session),
-                   motion)
+                   job._session.field("STATE OF FORCES"), motion)
 
     def beside(self, body: Body) -> Snapshot:
         """The same moment, of one body alone: its shape and its points."""
         return replace(self, x=present_places(body, self.motion),
                        points=self.points.within(body.elements))
+
+    def forces_on(self, body: Body) -> NDArray:
+        """Forces of loads, supports and contacts on the nodes of a body (node, ndim)."""
+        return of_nodes(body, self.forces[:, :3])
 
     def moved(self, body: Body) -> NDArray:
         """Rows of `motion` of nodes that are not meshed anew and have moved or bear a load."""
@@ -59,9 +65,14 @@ class Snapshot:
 
 def present_places(body: Body, motion: NDArray) -> NDArray:
     """Of the nodes of a body (node, ndim) [length]."""
-    x = body.x.copy()
+    return body.x + of_nodes(body, motion)
+
+
+def of_nodes(body: Body, table: NDArray) -> NDArray:
+    """Third column of a table of degrees of freedom, at the nodes of a body (node, ndim)."""
+    found = np.zeros_like(body.x)
     at = {int(label): k for k, label in enumerate(body.labels)}
-    rows = np.array([at.get(int(label), -1) for label in motion[:, 0]])
-    own = (rows >= 0) & (motion[:, 1] <= body.ndim)
-    x[rows[own], motion[own, 1].astype(int) - 1] += motion[own, 2]
-    return x
+    rows = np.array([at.get(int(label), -1) for label in table[:, 0]])
+    own = (rows >= 0) & (table[:, 1] <= body.ndim)
+    found[rows[own], table[own, 1].astype(int) - 1] = table[own, 2]
+    return found
