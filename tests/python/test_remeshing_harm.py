@@ -235,7 +235,8 @@ def whole(tmp_path_factory):
     return scene, folder, (folder/"block_history.csv").read_text()
 
 
-@pytest.mark.parametrize("gone", ["block.p002_history.csv", "block.p002.inp", "block.p003*"])
+@pytest.mark.parametrize("gone", ["block.p002_history.csv", "block.p002.inp", "block.p003*",
+                                  "block.p002_*.vtu"])
 def test_what_is_missing_of_a_part_is_made_again(gone, whole, tmp_path):
     """Rows of a part whose history was gone were left out, and a part without a deck, silently."""
     scene, folder, expected = whole
@@ -245,6 +246,7 @@ def test_what_is_missing_of_a_part_is_made_again(gone, whole, tmp_path):
         path.unlink()
     report = run(scene, again, resume=True)
     assert (again/"block_history.csv").read_text() == expected and len(report.remeshes) == 2
+    assert {path.name for path in again.iterdir()} == {path.name for path in folder.iterdir()}
 
 
 @pytest.mark.parametrize("harm", [
@@ -268,9 +270,24 @@ def test_parts_of_another_card_and_damaged_decks_of_parts_are_refused(whole, tmp
     other = block("CAX4", travel=-1.0, card="PERIOD=.4, STRAIN=10., SIZE=2.")
     with pytest.raises(lopin.ResourceError, match=r"of another deck: its \*REMESH differs"):
         run(other, again, resume=True)
+    summary = again/"block.p002.json"
+    kept = summary.read_text()
+    summary.unlink()
+    with pytest.raises(lopin.ResourceError, match="was not written by Lopin"):
+        run(scene, again, resume=True)
+    summary.write_text(kept)
     deck = again/"block.p002.inp"
-    deck.write_bytes(deck.read_bytes()[:2000])
+    text = deck.read_text()
+    deck.write_text(text[:2000])
     with pytest.raises(lopin.ResourceError, match="is damaged: it has no end"):
+        run(scene, again, resume=True)
+    head, start = text.split("*START")
+    deck.write_text(f"{head}*START{start.replace('0.', '1.', 1)}")
+    with pytest.raises(lopin.ResourceError, match="is not as it was written"):
+        run(scene, again, resume=True)
+    deck.write_text(text)
+    (again/"block.parts.json").unlink()
+    with pytest.raises(lopin.ResourceError, match="not known without 'block.parts.json'"):
         run(scene, again, resume=True)
 
 

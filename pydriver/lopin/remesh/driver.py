@@ -6,6 +6,7 @@ run that was killed goes on to the same bits.
 """
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -19,7 +20,7 @@ from ..model_read_mesh import named_from
 from ..run import check
 from .body import Body, DeckParts, read_body
 from .card import RemeshCard
-from .join import has_whole_history
+from .join import has_whole_results
 from .part import Clock
 from .plane import worst_corner
 from .refusals import refuse_shared_elements, refuse_what_stays_behind
@@ -126,6 +127,9 @@ class Runner:
         if path.is_file() and path.read_text(errors="surrogateescape") != deck.text():
             raise _of_another(self.output)
         self.report.read()
+        if self.resume and self._path(2).is_file() and not self.report.path.is_file():
+            raise _of_another(self.output, f": what was done is not known without "
+                              f"'{self.report.path.name}'")
         if self.report.cards and self.report.cards != self._cards():
             raise _of_another(self.output, ": its *REMESH differs")
         self.report.cards = self._cards()
@@ -140,15 +144,20 @@ class Runner:
         if not (self.resume or self.replay) or not path.is_file():
             return None
         deck = Deck.read(path)
+        known = self.report.sums.get(path.stem)
         if not deck.blocks or deck.blocks[-1].keyword != "END STEP" or "START" not in deck:
             raise DamagedResultError(f"the deck of a part '{path}' is damaged: it has no end",
                                      help="delete it, and what follows is made again")
+        if known is not None and known != sum_of(path.read_text(errors="surrogateescape")):
+            raise DamagedResultError(
+                f"the deck of a part '{path}' is not as it was written",
+                help="delete it, and what follows is made again, or run it as a deck of its own")
         return deck
 
     def _has_run(self, number: int) -> bool:
         """Whether the results of a part are whole in the folder; else it runs again."""
         return self._path(number).is_file() and \
-            has_whole_history(self.output, part_name(self.deck.name, number))
+            has_whole_results(self.output, part_name(self.deck.name, number))
 
     def _part(self, deck: Deck, number: int) -> Deck | None:
         """Run a part; the deck of the next one, or None at the end."""
@@ -171,7 +180,7 @@ class Runner:
                     last, state = Snapshot.of(job, bodies[0]), job.state
                     if following is not None:
                         if _reached(last.clock, Clock.of_start(following)):
-                            return following
+                            break
                         continue
                     if number <= self.most and not last.clock.at_end:
                         found = self._next(deck, parts, bodies, number, last, tools)
@@ -189,6 +198,9 @@ class Runner:
                 found = self._remake(deck, number, last.beside(worn),
                                      Tools.of(job._session, parts, worn.ndim), worn.elset,
                                      "the next increment did not converge")
+        if following is not None:
+            self._path(number).with_suffix(".rst").unlink(missing_ok=True)
+            return following
         return self._keep(number + 1, *found)
 
     def _bodies(self, deck: Deck, parts: DeckParts) -> list[Body]:
@@ -233,6 +245,7 @@ class Runner:
 
     def _keep(self, number: int, deck: Deck, done: Remesh) -> Deck:
         """Write the deck of a part before it is used, once the files of the last one are whole."""
+        self.report.sums[deck.name] = sum_of(deck.text())
         self.report.add(done)
         deck.write(self._path(number))
         for later in self._decks():   # of a run before: made anew from this part on
@@ -241,6 +254,11 @@ class Runner:
         self._path(number - 1).with_suffix(".rst").unlink(missing_ok=True)
         self.say(done.line())
         return deck
+
+
+def sum_of(text: str) -> str:
+    """A sum of a deck, which tells whether it has been changed."""
+    return hashlib.sha256(text.encode(errors="surrogateescape")).hexdigest()
 
 
 def _of_another(folder: Path, why: str = "") -> ResourceError:

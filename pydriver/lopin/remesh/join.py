@@ -4,6 +4,7 @@ from __future__ import annotations
 import csv
 import json
 import re
+import re
 from pathlib import Path
 
 from ..files import reading, whole_file
@@ -30,14 +31,22 @@ def join_collections(folder: Path, name: str, parts: list[str]) -> None:
             file.write_text(head + "\n".join(rows) + "\n" + tail)
 
 
-def has_whole_history(folder: Path, part: str) -> bool:
-    """Whether the history of a part has a row, with all its columns, for each increment that its
-    summary counts."""
+def has_whole_results(folder: Path, part: str) -> bool:
+    """Whether the files that the summary of a part names are there, with the frames of its
+    collection, and its history has a row, with all its columns, for each increment."""
     path, summary = folder/f"{part}_history.csv", folder/f"{part}.json"
     if not (path.is_file() and summary.is_file()):
         return False
     with reading(summary):
-        increments = sum(step["increments"] for step in json.loads(summary.read_text())["steps"])
+        told = json.loads(summary.read_text())
+        increments = sum(step["increments"] for step in told["steps"])
+        files = [folder/name for name in told["files"]]
+    if not all(file.is_file() for file in files):
+        return False
+    frames = [name for file in files if file.suffix == ".pvd"
+              for name in re.findall('file="([^"]*)"', file.read_text())]
+    if not all((folder/name).is_file() for name in frames):
+        return False
     with reading(path):
         text = path.read_text()
     rows = text.splitlines()

@@ -106,6 +106,7 @@ class Report:
     parts : names of the decks of the parts
     remeshes : one fewer
     cards : text of *REMESH of the deck
+    sums : of the decks of parts as they were written, by name
     """
 
     name: str
@@ -113,6 +114,7 @@ class Report:
     parts: list[str] = field(default_factory=list)
     remeshes: list[Remesh] = field(default_factory=list)
     cards: str = ""
+    sums: dict[str, str] = field(default_factory=dict)
 
     def add_part(self, name: str) -> None:
         """A part runs."""
@@ -139,6 +141,7 @@ class Report:
             with reading(self.path):
                 told = json.loads(self.path.read_text())
                 found, self.cards = told["remeshes"], told.get("cards", "")
+                self.sums = told.get("sums", {})
                 self.remeshes = [Remesh(**{k: r[k] for k in Remesh.__dataclass_fields__ if k in r})
                                  for r in found]
 
@@ -156,7 +159,7 @@ class Report:
                              "force_change_of_largest": jumps.get(r.part, {}).get("of_largest")}
                 for r in self.remeshes]
         return json.dumps({"schema": "lopin-parts/1", "deck": self.name, "parts": self.parts,
-                           "remeshes": told, "cards": self.cards,
+                           "remeshes": told, "cards": self.cards, "sums": self.sums,
                            "balance": self.balance(),
                            "verdict": self.verdict()[0]}, indent=1)
 
