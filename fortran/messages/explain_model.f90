@@ -234,6 +234,13 @@ contains
          & 'as a whole are right.', &
          & 'TYPE=SURFACE TO SURFACE is exact there; or take the softer side, with facets at '// &
          & 'most half as long, as the slave.')
+      call add_explanation(list, 'W0348', 'a coarse slave presses a finer master at single nodes', &
+         & 'Contact is at the nodes of the slave. Nodes of the master between them bear '// &
+         & 'nothing, the others too much: stresses in its first elements are uneven by about '// &
+         & 'the figure, even where the pressures of the slave are right. Forces as a whole are '// &
+         & 'right, and so are stresses a few elements away.', &
+         & 'TYPE=SURFACE TO SURFACE is exact there; or take the side with the shorter facets '// &
+         & 'as the slave.')
       call add_explanation(list, 'N0347', 'a pair that says no TYPE is carried out surface to '// &
          & 'surface', 'At the nodes its facets, which do not match, would make a uniform '// &
          & 'pressure uneven by the figure that is said (W0333), or even on the slave and '// &

@@ -126,6 +126,22 @@ def test_a_coarse_slave_whose_own_pressure_is_even_goes_surface_to_surface_too(c
     assert "N0347" in [d["code"] for d in chosen["diagnostics"]]
 
 
+@pytest.mark.parametrize("kind, slave, master", [
+    ("CPE4", 2, 4), ("CPE4", 4, 6), ("CPE3", 2, 6), ("CAX4", 5, 7), ("C3D8", 3, 4), ("C3D4", 4, 6)])
+def test_stresses_of_a_stiff_master_under_a_coarse_slave_are_told(kind, slave, master, tmp_path):
+    """W0348 names what they are off by (within a factor of two), where pressures are nearly even."""
+    deck = pressed(kind, slave, master, 10.0)
+    said = run(Deck.parse(deck.text().replace("*END STEP", "*EL PRINT, ELSET=LOW.ALL\nS\n*END STEP"),
+                          "uneven"), tmp_path)
+    rows = [line.split() for line in (tmp_path/"out"/"uneven.dat").read_text().splitlines()]
+    stress = np.array([[float(v) for v in row] for row in rows
+                       if len(row) > 5 and row[0].isdigit() and row[1].isdigit()])
+    off = abs(stress[:, 4 if kind.startswith("C3D") else 3]/-LOAD - 1.0).max()
+    named = re.search(r"W0348.*uneven by about ([\d.]+) %", said)
+    assert 0.5*off < float(named.group(1))/100.0 < 2.0*off
+    assert "W0348" not in run(pressed(kind, master, slave, 10.0), tmp_path)
+
+
 @pytest.mark.parametrize("change", [
     lambda text: text.replace("*STEP", "*STEP, NLGEOM", 1),
     lambda text: text.replace("*CONTACT PAIR,", "*CONTACT PAIR, EXTENSION ZONE=0.1,"),
