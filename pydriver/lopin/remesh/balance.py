@@ -28,7 +28,7 @@ from .transfer import DILATATION, STRAIN, admissible, equivalent, highest_strain
 #: Loads that leave more than this share of themselves unbalanced are not put on.
 UNBALANCED = 0.1
 #: Changes below this share of the strains are what loads on another skin are known to.
-SLIGHT = 0.03
+SLIGHT = 0.01
 #: Elastic energy of deviators by that before, above which the new mesh is too coarse to bear the
 #: loads, or forces of the two sides of a fold do not match.
 WILD = 2.0
