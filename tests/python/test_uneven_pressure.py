@@ -152,6 +152,17 @@ def test_it_is_at_the_nodes_where_the_deck_has_a_say_or_bodies_move_far(tmp_path
     assert "N0347" not in said and "W0333" in said
 
 
+@pytest.mark.parametrize("path, plastic", [("FINITE", False), ("CONDENSED", False),
+                                           ("CONDENSED", True)])
+def test_the_path_has_no_say_in_it_the_cards_have(path, plastic, tmp_path):
+    text = f"*LOPIN, PATH={path}\n" + free(pressed("CPE4", 7, 4, 1.0)).text()
+    if plastic:
+        text = text.replace("100000., 0.\n", "100000., 0.\n*PLASTIC\n1e6, 0.\n")
+    said = run(Deck.parse(text, "free"), tmp_path)
+    assert ("*PLASTIC" in text) == plastic and ("W0333" in said) == plastic
+    assert ("N0347" in said) != plastic
+
+
 def test_facets_that_match_stay_at_the_nodes(solve, tmp_path):
     deck = pressed("CPE4", 8, 4, 1.0)
     assert (pressures(solve, deck, tmp_path) == pressures(solve, free(deck), tmp_path)).all()

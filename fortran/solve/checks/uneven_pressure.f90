@@ -189,7 +189,7 @@ contains
    end subroutine find_deviation
 
    !> Largest deviation of the forces that slave nodes hand to the master from those of a uniform
-   !> pressure, beside these: of nodes that no facet at the rim has.
+   !> pressure, beside these: of nodes that no facet at the rim has, on facets of first order.
    pure real(wp) function forced(scene, master, met, force, area, point) result(most)
       type(scene_type), intent(in) :: scene
       type(surface_type), intent(in) :: master
@@ -209,7 +209,7 @@ contains
             end associate
          end do
       end do
-      inside = far_from_rim(master, met)
+      inside = far_from_rim(master, met .and. master%facets%nnode <= 2*(size(force, 1) - 1))
       most = 0.0_wp
       do i = 1, master%nnode
          if (.not. inside(i)) cycle
