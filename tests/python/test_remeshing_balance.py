@@ -9,9 +9,10 @@ from test_remeshing_folds import oval
 import lopin
 from lopin import mesh_make
 from lopin.remesh import spatial
-from lopin.remesh.balance import free_motions, made_even, pinned, rigid_motions
+from lopin.remesh.balance import free_motions, made_even, pinned, rigid_motions, supports
 from lopin.remesh.body import DeckParts, read_body
 from lopin.remesh.loads import Samples
+from lopin.remesh.part import NewMesh
 from lopin.remesh.state import Snapshot
 
 
@@ -67,6 +68,18 @@ def test_loads_do_no_work_on_motions_that_nothing_holds():
     held[0, 1] = True
     assert len(free_motions(x, held, False)) == 0
     assert pinned(free_motions(x, held, False)) == []
+
+
+def test_a_word_holds_what_its_degrees_of_freedom_do():
+    """A support told by a word ended the run at its first new mesh by a ValueError."""
+    held = []
+    for way in ("AXIS, 1", "AXIS, XSYMM"):
+        parts = DeckParts.of(lopin.Deck.parse(block("CAX4").text().replace("AXIS, 1", way),
+                                              name="block"))
+        body = read_body(parts, "B")
+        mesh = NewMesh(body.x, body.cells, body.facets, body.tags, body.named)
+        held.append(supports(parts, body, mesh, 1))
+    assert held[0].any() and (held[0] == held[1]).all()
 
 
 def test_samples_carry_linear_tractions_along_edges_and_round_an_axis():

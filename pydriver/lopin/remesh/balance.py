@@ -18,7 +18,7 @@ from ..errors import LopinError
 from ..job import Job
 from ..model_read_mesh import plain
 from ..points import Points
-from .body import SIMPLEX, Body, DeckParts, pair_names
+from .body import SIMPLEX, Body, DeckParts, held_dofs, pair_names
 from .loads import loads_of
 from .part import NewMesh, new_labels, state_block
 from .state import Snapshot
@@ -106,9 +106,9 @@ def supports(parts: DeckParts, body: Body, mesh: NewMesh, step: int) -> NDArray:
             nodes = [f for f, tag in zip(mesh.facets, mesh.tags) if ("N", name) in tag]
             nodes = np.unique(np.concatenate([*nodes, np.asarray(mesh.named.get(name, []), int)])) \
                 .astype(int)
-            first = int(row[1])
-            final = int(row[2]) if len(row) > 2 and row[2] is not None else first
-            held[nodes, first - 1:min(final, mesh.x.shape[1])] = True
+            for dof in held_dofs(row):
+                if dof <= mesh.x.shape[1]:
+                    held[nodes, dof - 1] = True
     return held
 
 
@@ -119,10 +119,13 @@ def in_balance(parts: DeckParts, body: Body, mesh: NewMesh, states, weights, las
 
     Metal that does not depend on the rate cannot bear more than its yield stress: it is taken back
     to that, and balanced again, a few times. Of metal that does, what is beyond relaxes by itself.
-    Springs, pressures beside contacts, and other bodies, whose nodes press it unevenly, leave the
-    states as they are.
+    Springs, pressures beside contacts, other bodies, whose nodes press it unevenly, and triangles
+    around an axis leave the states as they are.
     """
     highest = highest_strain(last.points)
+    if body.axisymmetric and body.cells[0].shape[1] == 3:
+        # With friction they came out worse (jumps of 4 to 20 % for 1 to 6): not understood.
+        return _taken_back(states, highest)
     load = _load(parts, body, mesh, last, tools)
     if load is None:
         return _taken_back(states, highest)

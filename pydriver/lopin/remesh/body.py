@@ -19,6 +19,9 @@ WORDS = {"CPE4": "quad", "CAX4": "quad", "CPE4R": "quad", "CAX4R": "quad", "CPE3
 SIMPLEX = {"CPE4": "CPE3", "CAX4": "CAX3", "CPE4R": "CPE3", "CAX4R": "CAX3"}
 #: Cards that put displacements, loads or couplings on nodes.
 _ON_NODES = ("BOUNDARY", "CLOAD", "TEMPERATURE")
+#: Translations that words of *BOUNDARY hold.
+_HELD = {"ENCASTRE": (1, 2, 3), "PINNED": (1, 2, 3), "XSYMM": (1,), "YSYMM": (2,), "ZSYMM": (3,),
+         "XASYMM": (2, 3), "YASYMM": (1, 3), "ZASYMM": (1, 2)}
 
 
 def refused(what: str, help: str = "") -> ModelError:
@@ -34,6 +37,18 @@ def pair_names(row) -> list[str]:
     """
     names = [str(plain(v)).upper() for v in row[:2] if v]
     return [names[0], names[-1]]
+
+
+def held_dofs(row) -> tuple[int, ...]:
+    """Degrees of freedom that a line of *BOUNDARY holds; of a word its translations.
+
+    >>> held_dofs(["Axis", "xsymm"]), held_dofs(["Floor", 1, 2]), held_dofs(["Floor", 2])
+    ((1,), (1, 2), (2,))
+    """
+    if isinstance(row[1], str):
+        return _HELD.get(row[1].upper(), (1, 2, 3))
+    last = row[2] if len(row) > 2 and row[2] is not None else row[1]
+    return tuple(range(int(row[1]), int(last) + 1))
 
 
 @dataclass

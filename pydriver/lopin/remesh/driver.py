@@ -130,6 +130,9 @@ class Runner:
         if self.resume and self._path(2).is_file() and not self.report.path.is_file():
             raise _of_another(self.output, f": what was done is not known without "
                               f"'{self.report.path.name}'")
+        if self._path(2).is_file() and not self.report.path.is_file():
+            self.say(f"WARN: there is no '{self.report.path}': "
+                     "decks of parts are taken as they are")
         if self.report.cards and self.report.cards != self._cards():
             raise _of_another(self.output, ": its *REMESH differs")
         self.report.cards = self._cards()

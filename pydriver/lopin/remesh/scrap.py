@@ -6,14 +6,12 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from .body import Body, DeckParts, faces_of_cell
+from .body import Body, DeckParts, faces_of_cell, held_dofs
 from .state import Snapshot
 
 #: A piece is loose whose tools push it one way: their forces add up to more than this share of
 #: what they would if all pointed there.
 ONE_WAY = 0.9
-#: Degrees of freedom that words of *BOUNDARY hold.
-_WORDS = {"XSYMM": (1,), "YSYMM": (2,), "ZSYMM": (3,), "ENCASTRE": (1, 2, 3), "PINNED": (1, 2, 3)}
 
 
 def joined(count: int, pairs: NDArray) -> NDArray:
@@ -107,12 +105,7 @@ def supports(parts: DeckParts, body: Body) -> NDArray:
             rows = names.get(str(row[0]).upper())
             if rows is None or len(row) < 2:
                 continue
-            if isinstance(row[1], str):
-                dofs = _WORDS.get(row[1].upper(), (1, 2, 3))
-            else:
-                last = row[2] if len(row) > 2 and row[2] is not None else row[1]
-                dofs = range(int(row[1]), int(last) + 1)
-            for dof in dofs:
+            for dof in held_dofs(row):
                 if dof <= body.ndim:
                     held[rows, dof - 1] = True
     return held
