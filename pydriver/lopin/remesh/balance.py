@@ -119,13 +119,10 @@ def in_balance(parts: DeckParts, body: Body, mesh: NewMesh, states, weights, las
 
     Metal that does not depend on the rate cannot bear more than its yield stress: it is taken back
     to that, and balanced again, a few times. Of metal that does, what is beyond relaxes by itself.
-    Springs, pressures beside contacts, other bodies, whose nodes press it unevenly, and triangles
-    around an axis leave the states as they are.
+    Springs, pressures beside contacts, and other bodies, whose nodes press it unevenly, leave the
+    states as they are.
     """
     highest = highest_strain(last.points)
-    if body.axisymmetric and body.cells[0].shape[1] == 3:
-        # With friction they came out worse (jumps of 4 to 20 % for 1 to 6): not understood.
-        return _taken_back(states, highest)
     load = _load(parts, body, mesh, last, tools)
     if load is None:
         return _taken_back(states, highest)
@@ -203,17 +200,21 @@ def _balanced(parts: DeckParts, body: Body, mesh: NewMesh, states, force: NDArra
 
 
 def _with_strains(states, points: Points):
-    """States with the elastic strains of points, whose elements come in the same order."""
+    """States with the elastic strains of points, whose elements come in the same order; where an
+    element has more points than its state, with their means."""
     order = np.lexsort((points.number, points.element))
-    strain, dilatation = points.strain[order], points.dilatation[order]
-    new, at = [], 0
+    found = np.column_stack([points.strain, points.dilatation])[order]
+    count = np.unique(points.element, return_counts=True)[1]
+    new, element, at = [], 0, 0
     for own in states:
-        count = own.shape[0]*own.shape[1]
+        n = int(count[element])
+        rows = found[at:at + n*len(own)].reshape(len(own), n, 7)
+        if n != own.shape[1]:
+            rows = np.broadcast_to(rows.mean(axis=1, keepdims=True), (*own.shape[:2], 7))
         own = own.copy()
-        own[..., STRAIN] = strain[at:at + count].reshape(*own.shape[:2], 6)
-        own[..., DILATATION] = dilatation[at:at + count].reshape(own.shape[:2])
+        own[..., STRAIN], own[..., DILATATION] = rows[..., :6], rows[..., 6]
         new.append(own)
-        at += count
+        element, at = element + len(own), at + n*len(own)
     return new
 
 
