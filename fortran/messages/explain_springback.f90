@@ -1,4 +1,4 @@
-!> Explanations of what is said of the springback after forming.
+!> Explanations of what is said of sheets that bend point by point, and of their springback.
 module lopin_explain_springback
    use lopin_explanation, only : explanation_type, add_explanation
    implicit none
@@ -42,6 +42,17 @@ contains
          & 'with facets of two to four thicknesses sprang back by 0.4 to 0.85 of what they do '// &
          & 'on a mesh four times finer, their mean forces right to a percent.', &
          & 'facets of half the thickness on the radii; compare with half as long ones.')
+      call add_explanation(list, 'N0561', 'the force of a tool rises and falls with the facets', &
+         & 'A row of contact begins where its node arrives. As a tool moves on over a radius, '// &
+         & 'or a strip over it, the force rises until the next node bears and falls as that '// &
+         & 'takes over: waves of about one facet, shorter and lower on a finer mesh. The '// &
+         & 'figure is the highest that came and went within the travel of three facets. Forces '// &
+         & 'differed from those of a mesh of half the size by .3 to .9 of it (root of the mean '// &
+         & 'square over the step) and by one to three times as much at their worst.', &
+         & 'half as long facets over radii; means over the travel of a facet.')
+      call add_explanation(list, 'W0561', 'the force of a tool rises and falls with the facets', &
+         & 'As N0561, but by more than a twentieth of the largest force of the tool.', &
+         & 'half as long facets over radii; means over the travel of a facet.')
       call add_explanation(list, 'W0523', 'equilibrium says little of a shape', &
          & 'Metal without hardening bears nearly one moment, or one force, however far it '// &
          & 'flows: a strip that is bent by a moment alone takes its curvature wherever the '// &

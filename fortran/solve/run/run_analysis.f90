@@ -20,14 +20,7 @@ module lopin_run_analysis
    use lopin_nonlinear_start, only : start_step
    use lopin_released_forces, only : supports_type, record_supports, release_pairs, &
       & add_released_forces, releases_support
-   use lopin_after_step, only : check_step
-   use lopin_coarse_faces, only : check_coarse_faces
-   use lopin_artificial_work, only : check_artificial_work
-   use lopin_work_balance, only : end_balance
-   use lopin_snap_through, only : report_snap_through
-   use lopin_springback, only : report_springback
-   use lopin_needless_order, only : measure_middles, tell_needless_order
-   use lopin_check_drift, only : check_drift
+   use lopin_end_of_step, only : check_end_of_step
    use lopin_check_flow_curves, only : check_flow_curves
    use lopin_check_yield, only : check_yield
    use lopin_failure_advice, only : advise
@@ -373,25 +366,14 @@ contains
       type(model_type), intent(in) :: model
       type(error_type), allocatable, intent(out) :: error
 
-      associate (scene => self%scene, watch => self%watch, energy => self%frame%energy, &
-         & clock => self%scene%accepted%clock, step => model%step(self%scene%step))
+      associate (scene => self%scene, clock => self%scene%accepted%clock, &
+         & step => model%step(self%scene%step))
          clock%start = clock%start + clock%time
          if (scene%step < size(model%step)) call carry_loads(self%loading, model, scene%dofs, &
             & scene%constraints, scene%solids, step, model%step(scene%step + 1), &
             & scene%accepted%loads%steady)
          call leave_followers(scene%newton%follower, scene%accepted%loads%followers)
-         call check_step(scene, model, watch%seen, self%frame%certificate%rubs%ramp, energy%most)
-         call check_coarse_faces(scene, model, energy%most)
-         if (scene%newton%in_use) call end_balance(watch%balance, scene, model, energy)
-         call report_snap_through(watch%jumps, scene, model, energy)
-         if (scene%newton%in_use) call report_springback(watch%springback, scene, model, energy, &
-            & watch%balance%excess, watch%balance%springs_back)
-         call measure_middles(watch%needless, scene, model, self%frame%u)
-         if (scene%step == size(model%step)) then
-            call tell_needless_order(watch%needless, scene, model)
-            call check_drift(watch%drift, scene, model, self%frame%contact)
-            call check_artificial_work(watch%artificial, scene, model, energy)
-         end if
+         call check_end_of_step(self%watch, scene, model, self%frame)
          call release_pairs(scene, model, error)
       end associate
       self%in_step = .false.

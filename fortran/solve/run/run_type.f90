@@ -12,6 +12,7 @@ module lopin_run_type
    use lopin_snap_through, only : snap_through_type
    use lopin_needless_order, only : needless_type
    use lopin_springback, only : springback_type
+   use lopin_force_ripples, only : ripples_type
    implicit none
    private
    public :: run_type, watch_type
@@ -24,6 +25,7 @@ module lopin_run_type
       type(balance_type) :: balance            !! work that is lost
       type(snap_through_type) :: jumps         !! to other equilibria
       type(springback_type) :: springback      !! work done in a release
+      type(ripples_type) :: ripples            !! forces that rise and fall with the facets
       type(needless_type) :: needless          !! second order that no step called for
       type(checksum_type) :: checksum          !! of the displacements of all nodes so far
    end type watch_type

@@ -1,0 +1,77 @@
+"""Forces that rise and fall as facets come to press one by one are told, with a figure."""
+import re
+
+import numpy as np
+import pytest
+
+from lopin.atlas import forming_scenes
+from lopin.atlas.forming_scenes import air_bend, flanged, strip
+from lopin.atlas.scenes import PLAIN, Frame
+from lopin.run import run
+
+
+def waves(build, *args, **more):
+    """Code, height [%] and length [facets] of the waves that are told; the result."""
+    scene, _, _ = build(*args, "lagrange", **more)
+    result = run(scene.deck())
+    found = re.compile(r"falls and rises by ([\d.]+) %.*, ([\d.]+) of a facet")
+    said = [(d["code"], *map(float, found.search(d["message"]).groups()))
+            for d in result.diagnostics if str(d["code"]).endswith("0561")]
+    return said, result
+
+
+@pytest.fixture
+def finer(monkeypatch):
+    """Strips with so many times more facets."""
+    def refine(times):
+        monkeypatch.setattr(forming_scenes, "strip", lambda word, t, cells, *place: strip(
+            word, t, (times*cells[0], cells[1]), *place))
+    return refine
+
+
+@pytest.mark.parametrize("word, thickness, least", [("CPE8R", 1.0, 0.07), ("CPE4I", 1.0, 0.15)])
+def test_facets_that_leave_a_radius_one_by_one_are_told(word, thickness, least, finer):
+    """A flange over a radius of five facets, and of twenty: the waves get lower."""
+    (code, coarse, span), = waves(flanged, word, thickness, 0.0, (0.01, 0.01))[0]
+    assert code == "W0561" and coarse > 100.0*least and 0.3 < span < 3.0
+    finer(4)
+    said, _ = waves(flanged, word, thickness, 0.0, (0.01, 0.01))
+    assert not said or said[0][1] < 0.5*coarse
+
+
+def test_what_is_told_does_not_hang_on_the_system_of_the_deck():
+    """Turned by 130 degrees, in inches and psi."""
+    frame = Frame(130.0, 1.0/25.4, 145.04)
+    here, there = (waves(flanged, "CPE4I", 1.0, 0.1, (0.02, 0.02), frame=f)[0]
+                   for f in (PLAIN, frame))
+    assert [(code, fall) for code, fall, _ in here] == [(code, fall) for code, fall, _ in there]
+
+
+def test_the_figure_is_the_highest_wave_of_the_history():
+    """Counted again from the table of the run by the rule of four points (Amzallag et al. 1994)."""
+    ((_, height, _),), result = waves(flanged, "CPE8R", 0.25, 0.0, (0.02, 0.02))
+    history = result.history
+    step = np.asarray(history["step"]) == 1
+    force, way = (np.abs(np.asarray(history[name])[step]) for name in ("PUNCH.rf2", "PUNCH.u2"))
+    left = [0, *(i for i in range(1, len(force) - 1)
+                 if (force[i] - force[i - 1])*(force[i + 1] - force[i]) < 0.0), len(force) - 1]
+    found, i = 0.0, 0
+    while i + 3 < len(left):
+        ranges = np.abs(np.diff(force[left[i:i + 4]]))
+        if ranges[1] > min(ranges[0], ranges[2]):
+            i += 1
+            continue
+        first, second = left[i + 1:i + 3]
+        beyond = (force - force[first])*np.sign(force[first] - force[second]) >= 0.0
+        back = second + beyond[second:].argmax()
+        if way[back] - way[first] <= 3.0:
+            found = max(found, ranges[1])
+        del left[i + 1:i + 3]
+        i = 0
+    assert 100.0*found/force.max() == pytest.approx(height, rel=0.05)
+
+
+@pytest.mark.parametrize("build, args", [(air_bend, ("CPE8R", 0.5, 0.0, (0.02, 0.02)))])
+def test_a_force_that_rises_all_the_way_is_not_doubted(build, args):
+    """A bend in air."""
+    assert not waves(build, *args)[0]
