@@ -2,6 +2,7 @@
 import numpy as np
 import pytest
 from nodal_twin import nodal_forces
+from test_loads_over_meshes import pressed
 from test_point_states import NORTON
 from test_remeshing import block, run
 from test_remeshing_folds import oval
@@ -10,7 +11,7 @@ import lopin
 from lopin import mesh_make
 from lopin.remesh import spatial
 from lopin.remesh.balance import free_motions, made_even, pinned, rigid_motions, supports
-from lopin.remesh.body import DeckParts, read_body
+from lopin.remesh.body import DeckParts, held_in, read_body
 from lopin.remesh.loads import Samples
 from lopin.remesh.part import NewMesh
 from lopin.remesh.state import Snapshot
@@ -85,8 +86,27 @@ def test_a_word_holds_what_its_degrees_of_freedom_do():
                                               name="block"))
         body = read_body(parts, "B")
         mesh = NewMesh(body.x, body.cells, body.facets, body.tags, body.named)
-        held.append(supports(parts, body, mesh, 1))
+        held.append(supports(parts, mesh, 1))
     assert held[0].any() and (held[0] == held[1]).all()
+
+
+@pytest.mark.parametrize("step, held", [(1, ["A", "B"]), (2, ["C", "D"]), (3, ["C", "D", "E"])])
+def test_what_a_step_has_let_go_of_holds_no_more(step, held):
+    """OP=NEW takes away what was held before, not what other cards of its step hold."""
+    steps = ["*BOUNDARY\nA, 1\n*STEP\n*STATIC\n*BOUNDARY\nB, 2\n*END STEP",
+             "*STEP\n*STATIC\n*BOUNDARY, OP=NEW\nC, 1\n*BOUNDARY, OP=NEW\nD, YSYMM\n*END STEP",
+             "*STEP\n*STATIC\n*BOUNDARY, OP=MOD\nE, 2\n*END STEP"]
+    parts = DeckParts.of(lopin.Deck.parse("*NODE\n1, 0., 0.\n" + "\n".join(steps) + "\n", name="d"))
+    assert [name for name, _ in held_in(parts, step)] == held
+
+
+def test_a_report_says_why_stresses_are_not_in_balance(core, tmp_path):
+    """A pressure acts on the side, beside the contact."""
+    report = run(pressed("CAX4", travel=-0.5), tmp_path)
+    said = [r.line() for r in report.remeshes]
+    assert said and all("not put in balance: springs or loads" in line for line in said)
+    plain = run(block("CAX4", mu=0.2, travel=-0.4, card="PERIOD=.5, STRAIN=10."), tmp_path/"plain")
+    assert not any("balance" in r.line() for r in plain.remeshes)
 
 
 def test_samples_carry_linear_tractions_along_edges_and_round_an_axis():

@@ -287,7 +287,12 @@ def test_parts_of_another_card_and_damaged_decks_of_parts_are_refused(whole, tmp
     with pytest.raises(lopin.ResourceError, match="is not as it was written"):
         run(scene, again, resume=True)
     deck.write_text(text)
-    (again/"block.parts.json").unlink()
+    listed = again/"block.parts.json"
+    known = json.loads(listed.read_text())
+    listed.write_text(json.dumps({**known, "sums": {}}))
+    with pytest.raises(lopin.ResourceError, match="has no sum of 'block.p002.inp'"):
+        run(scene, again, resume=True)
+    listed.unlink()
     with pytest.raises(lopin.ResourceError, match="not known without 'block.parts.json'"):
         run(scene, again, resume=True)
 

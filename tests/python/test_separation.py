@@ -1,6 +1,7 @@
 """Metal that separates (*DAMAGE, CRITICAL): elements taken out, nodes split, scrap, resume."""
 import json
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -86,7 +87,7 @@ def state(body, pressed=()):
     tractions = Tractions(np.zeros(len(pressed), int), np.array([p[0] for p in pressed], int),
                           np.array([[*p[1], 0.0] for p in pressed]).reshape(-1, 3),
                           np.zeros((len(pressed), 3)))
-    return Snapshot(body.x, None, tractions, None, np.zeros((0, 3)), np.zeros((0, 5)))
+    return Snapshot(body.x, None, tractions, SimpleNamespace(step=1), np.zeros((0, 3)), np.zeros((0, 5)))
 
 
 def test_a_piece_that_nothing_holds_is_scrap():

@@ -18,7 +18,7 @@ from ..errors import LopinError
 from ..job import Job
 from ..model_read_mesh import plain
 from ..points import Points
-from .body import SIMPLEX, Body, DeckParts, held_dofs, pair_names
+from .body import SIMPLEX, Body, DeckParts, held_in, pair_names
 from .loads import loads_of
 from .part import NewMesh, new_labels, state_block
 from .state import Snapshot
@@ -93,29 +93,24 @@ def pinned(free: NDArray) -> list[tuple[int, int]]:
     return found
 
 
-def supports(parts: DeckParts, body: Body, mesh: NewMesh, step: int) -> NDArray:
+def supports(parts: DeckParts, mesh: NewMesh, step: int) -> NDArray:
     """Degrees of freedom of the new nodes that *BOUNDARY holds in a step (node, ndim)."""
     held = np.zeros(mesh.x.shape, bool)
-    at = 0
-    for block in parts.blocks:
-        at += block.keyword == "STEP"
-        if block.keyword != "BOUNDARY" or at > step:
-            continue
-        for row in block.data:
-            name = str(row[0]).upper()
-            nodes = [f for f, tag in zip(mesh.facets, mesh.tags) if ("N", name) in tag]
-            nodes = np.unique(np.concatenate([*nodes, np.asarray(mesh.named.get(name, []), int)])) \
-                .astype(int)
-            for dof in held_dofs(row):
-                if dof <= mesh.x.shape[1]:
-                    held[nodes, dof - 1] = True
+    for name, dofs in held_in(parts, step):
+        nodes = [f for f, tag in zip(mesh.facets, mesh.tags) if ("N", name) in tag]
+        nodes = np.unique(np.concatenate([*nodes, np.asarray(mesh.named.get(name, []), int)])) \
+            .astype(int)
+        for dof in dofs:
+            if dof <= mesh.x.shape[1]:
+                held[nodes, dof - 1] = True
     return held
 
 
 def in_balance(parts: DeckParts, body: Body, mesh: NewMesh, states, weights, last: Snapshot,
                tools: Tools, folder: Path):
     """The states (element, point, field) of each group in balance with the forces of the contacts,
-    and how far points are beyond the yield surface then, relative. `weights`: their volumes.
+    how far points are beyond the yield surface then, relative, and why they are not in balance,
+    in words, if they are not. `weights`: their volumes.
 
     Metal that does not depend on the rate cannot bear more than its yield stress: it is taken back
     to that, and balanced again, a few times. Of metal that does, what is beyond relaxes by itself.
@@ -123,22 +118,25 @@ def in_balance(parts: DeckParts, body: Body, mesh: NewMesh, states, weights, las
     states as they are.
     """
     highest = highest_strain(last.points)
-    load = _load(parts, body, mesh, last, tools)
-    if load is None:
-        return _taken_back(states, highest)
+    load, why = _load(parts, body, mesh, last, tools)
+    if why:
+        return *_taken_back(states, highest), why
     flows, old = depends_on_rate(parts, body), last.points.within(body.elements)
     before = _energy([old.strain], [old.volume])/(2.0*np.pi if body.axisymmetric else 1.0)
     for _ in range(1 if flows else PASSES):
         found = _balanced(parts, body, mesh, states, *load, folder)
-        if found is None or _change(states, found) < SLIGHT or \
-                _energy(found, weights) > WILD*before:
+        if found is None:
+            why = "no elastic stresses balance the forces"
+        elif _energy(found, weights) > WILD*before:
+            why = "the mesh is too coarse to bear the forces elastically"
+        if why or _change(states, found) < SLIGHT:
             break
         if flows:
-            return found, _taken_back(found, highest)[1]
+            return found, _taken_back(found, highest)[1], ""
         states, over = _taken_back(found, highest)
         if max(float(o.max()) for o in over) < FLOWS:
-            return states, over
-    return _taken_back(states, highest)
+            return states, over, ""
+    return *_taken_back(states, highest), why
 
 
 def _change(old, new) -> float:
@@ -161,23 +159,26 @@ def _taken_back(states, highest: float):
 
 
 def _load(parts: DeckParts, body: Body, mesh: NewMesh, last: Snapshot, tools: Tools):
-    """Forces on the nodes of the new skin, and degrees of freedom that are held (node, ndim)."""
-    if any(b.keyword in _LOADS for b in parts.blocks) or meets_bodies(parts, body):
-        return None
+    """Forces on the nodes of the new skin and degrees of freedom that are held (node, ndim), or why
+    there are none, in words."""
+    if any(b.keyword in _LOADS for b in parts.blocks):
+        return None, "springs or loads act beside contacts"
+    if meets_bodies(parts, body):
+        return None, "it meets another body"
     old = NewMesh(last.x, body.cells, body.facets, body.tags, body.named)
     step = last.clock.step
-    force = loads_of(body, mesh, last, supports(parts, body, old, step), tools)
+    force = loads_of(body, mesh, last, supports(parts, old, step), tools)
     if force is None:
-        return None
-    held = supports(parts, body, mesh, step)
+        return None, "its forces on the skin are not known"
+    held = supports(parts, mesh, step)
     free = free_motions(mesh.x, held, body.axisymmetric)
     force, share = made_even(force, free)
     if share > UNBALANCED:
-        return None
+        return None, "its forces do not balance one another"
     for node, axis in pinned(free):
         held[node, axis] = True
     force[held] = 0.0
-    return force, held
+    return (force, held), ""
 
 
 def meets_bodies(parts: DeckParts, body: Body) -> bool:

@@ -51,6 +51,24 @@ def held_dofs(row) -> tuple[int, ...]:
     return tuple(range(int(row[1]), int(last) + 1))
 
 
+def held_in(parts: DeckParts, step: int) -> list[tuple[str, tuple[int, ...]]]:
+    """Sets of nodes that *BOUNDARY holds in a step (from 1), and which of their degrees of freedom.
+    The first card of a step with OP=NEW takes away what was held before it."""
+    found: list[tuple[str, tuple[int, ...]]] = []
+    at = renewed = 0
+    for block in parts.blocks:
+        at += block.keyword == "STEP"
+        if at > step:
+            break
+        if block.keyword != "BOUNDARY":
+            continue
+        if str(plain(block.parameters.get("OP", ""))).upper() == "NEW" and renewed < at:
+            found.clear()
+            renewed = at
+        found += [(str(row[0]).upper(), held_dofs(row)) for row in block.data if len(row) > 1]
+    return found
+
+
 @dataclass
 class Body:
     """One body of a deck, as its cards have it.

@@ -151,6 +151,11 @@ class Runner:
         if not deck.blocks or deck.blocks[-1].keyword != "END STEP" or "START" not in deck:
             raise DamagedResultError(f"the deck of a part '{path}' is damaged: it has no end",
                                      help="delete it, and what follows is made again")
+        if known is None and self.resume and number > 1:
+            raise DamagedResultError(
+                f"the list of parts '{self.report.path}' has no sum of '{path.name}'",
+                help="an earlier version wrote it, or it was edited: delete the part, and what "
+                     "follows is made again, or --replay it as it is")
         if known is not None and known != sum_of(path.read_text(errors="surrogateescape")):
             raise DamagedResultError(
                 f"the deck of a part '{path}' is not as it was written",

@@ -61,11 +61,12 @@ def remake(deck: Deck, last: Snapshot, tools: Tools, card: RemeshCard, why: str,
     mesh, moved, origin = make(body, last, card, tools, fields)
     refuse_lost_names(body, last.x, mesh)
     states, weights = transfer(fields, Locator(x, cells), mesh.x, mesh.cells, body.axisymmetric)
-    states, over = in_balance(parts, body, mesh, states, weights, last, tools, folder)
+    states, over, unbalanced = in_balance(parts, body, mesh, states, weights, last, tools, folder)
     done = Remesh(part, last.clock.total, why, sum(len(c) for c in mesh.cells),
                   worst_corner(mesh.x, mesh.cells), moved,
                   *integrals(last.points, states, weights, body.axisymmetric),
-                  excess=max(float(o.max()) for o in over), seconds=time.perf_counter() - began)
+                  excess=max(float(o.max()) for o in over), unbalanced=unbalanced,
+                  seconds=time.perf_counter() - began)
     start = [state_block(parts, body, mesh, states), *kept_block(tools.session, body),
              *traction_block(parts, body, mesh, last, origin),
              start_block(body, last, parts)]

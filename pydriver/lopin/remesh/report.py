@@ -41,6 +41,8 @@ class Remesh:
     separated : share of the body's volume that elements beyond a critical damage had
     scrap : of each piece that came loose: elements, volume, corners of the box around it
     pieces : bodies that are left
+    unbalanced : why stresses were not put in balance with the forces on the body, in words; nothing
+        where they were
     """
 
     part: int
@@ -56,6 +58,7 @@ class Remesh:
     separated: float = 0.0
     scrap: list[dict] = field(default_factory=list)
     pieces: int = 1
+    unbalanced: str = ""
 
     @property
     def cut(self) -> bool:
@@ -72,7 +75,8 @@ class Remesh:
                 f"corner {self.worst_corner:.2f}, volume {self.moved['volume_change']:+.1e}, "
                 f"plastic strain {100*self.plastic_change:+.2f} %, elastic energy "
                 f"{100*self.energy_change:+.2f} %" + (", " + self.fold() if self.fold() else "")
-                + self._closed())
+                + self._closed()
+                + (f", stresses not put in balance: {self.unbalanced}" if self.unbalanced else ""))
 
     def _scrap(self) -> str:
         """The pieces that came loose, in words."""

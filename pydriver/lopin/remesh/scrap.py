@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from .body import Body, DeckParts, faces_of_cell, held_dofs
+from .body import Body, DeckParts, faces_of_cell, held_in
 from .state import Snapshot
 
 #: A piece is loose whose tools push it one way: their forces add up to more than this share of
@@ -97,17 +97,13 @@ def pieces(body: Body, gone: NDArray) -> Iterator[NDArray]:
         yield own
 
 
-def supports(parts: DeckParts, body: Body) -> NDArray:
-    """Which translations of each node supports hold (node, ndim)."""
+def supports(parts: DeckParts, body: Body, step: int) -> NDArray:
+    """Which translations of each node supports hold in a step (node, ndim)."""
     held, names = np.zeros((len(body.labels), body.ndim), bool), named_rows(body)
-    for block in parts.blocks:
-        for row in block.data if block.keyword == "BOUNDARY" else ():
-            rows = names.get(str(row[0]).upper())
-            if rows is None or len(row) < 2:
-                continue
-            for dof in held_dofs(row):
-                if dof <= body.ndim:
-                    held[rows, dof - 1] = True
+    for name, dofs in held_in(parts, step):
+        for dof in dofs if name in names else ():
+            if dof <= body.ndim:
+                held[names[name], dof - 1] = True
     return held
 
 
@@ -140,7 +136,7 @@ def loose(parts: DeckParts, body: Body, last: Snapshot, gone: NDArray) -> list[N
     cell_of = np.concatenate([np.repeat(np.arange(len(g)) + at, g.shape[1]) for g, at in zip(
         body.cells, np.cumsum([0, *(len(g) for g in body.cells)]))])
     node_of = np.concatenate([g.ravel() for g in body.cells])
-    held, force = supports(parts, body), forces(body, last)
+    held, force = supports(parts, body, last.clock.step), forces(body, last)
     found = []
     for own in pieces(body, gone):
         nodes = np.unique(node_of[own[cell_of]])
