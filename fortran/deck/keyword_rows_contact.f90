@@ -31,8 +31,8 @@ contains
          & 'NODE TO SURFACE: each slave node meets the facet opposite; the others: dual '// &
          & 'mortar, each slave node meets the mean of what its share of the surface covers. '// &
          & 'Rigid tools and slaves of nodes: at the nodes in both. A pair without TYPE is '// &
-         & 'surface to surface where its facets do not match in a scene of the plane without '// &
-         & 'NLGEOM, plastic flow or another nonlinear card, whatever the PATH (N0347).')
+         & 'surface to surface where its facets do not match in a scene without NLGEOM, '// &
+         & 'plastic flow or another nonlinear card, whatever the PATH (N0347).')
       call refuses(table, 'MASSLESS')
       call flag(table, 'SMALL SLIDING', 'Each slave node keeps the plane it met at the start.')
       call word(table, 'ADJUST', &

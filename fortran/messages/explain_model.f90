@@ -244,7 +244,7 @@ contains
       call add_explanation(list, 'N0347', 'a pair that says no TYPE is carried out surface to '// &
          & 'surface', 'At the nodes its facets, which do not match, would make a uniform '// &
          & 'pressure uneven by the figure that is said (W0333), or even on the slave and '// &
-         & 'uneven in the master. In linear scenes of the plane '// &
+         & 'uneven in the master. In linear scenes '// &
          & 'surface to surface costs no more and is exact there, so it is taken where the deck '// &
          & 'leaves the choice open: no TYPE, SMOOTH or EXTENSION ZONE.', &
          & 'TYPE=NODE TO SURFACE where contact at the nodes is meant.')

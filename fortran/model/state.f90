@@ -138,7 +138,8 @@ module lopin_state
       logical :: at_end = .false.              !! the last increment of the step is accepted
       real(wp) :: increment = 0.0_wp           !! to be tried next [time]
       real(wp) :: usual = 0.0_wp               !! largest of the last ones accepted [time]
-      real(wp) :: parts_until = 0.0_wp         !! time of the step up to which it goes by parts
+      real(wp) :: parts_from = 0.0_wp          !! time of the step when contact begins, and
+      real(wp) :: parts_until = 0.0_wp         !! up to which it goes by parts [time]
       real(wp) :: part = 0.0_wp                !! of an increment in which contact began [time]
       type(refused_type) :: refused            !! the longest now tried over its time
    contains
@@ -362,6 +363,7 @@ contains
       call stream%pass(self%at_end)
       call stream%pass(self%increment)
       call stream%pass(self%usual)
+      call stream%pass(self%parts_from)
       call stream%pass(self%parts_until)
       call stream%pass(self%part)
       call stream%pass(self%refused%pair)

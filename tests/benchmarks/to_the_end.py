@@ -1,4 +1,4 @@
-"""Sheets, billets, belts and rings to the end of their way, by default settings: section 3 of docs/release.md.
+"""Sheets, billets, belts and rings to the end of their way by default settings.
 
     python tests/benchmarks/to_the_end.py [WORD ...] [--keep FOLDER] [--print]
 
@@ -108,8 +108,9 @@ def scenes() -> Iterator[tuple[str, Callable[[], lopin.Deck]]]:
         return lambda: lopin.Deck.parse(default(text()), "scene")
 
     for word, changes in [
-            ("", {}), (", first increment 0.01", {"first": 0.01}), (", first increment 0.002", {"first": 0.002}),
-            (", μ = 1e-4", {"mu": 1e-4}), (", radii 3", {"radius": 3.0}), (", radii 8", {"radius": 8.0}),
+            ("", {}), (", first increment 0.01", {"first": 0.01}),
+            (", first increment 0.002", {"first": 0.002}), (", μ = 1e-4", {"mu": 1e-4}),
+            (", radii 3", {"radius": 3.0}), (", radii 8", {"radius": 8.0}),
             (", gap 0.1", {"gap": 0.1}), (", gap 0.5", {"gap": 0.5}), (", gap 0.8", {"gap": 0.8}),
             (", 90 x 3 cells", {"cells": (90, 3)}), (", 120 x 2 cells", {"cells": (120, 2)}),
             (", 60 x 1 cells", {"cells": (60, 1)}),
@@ -170,8 +171,10 @@ def row_of(name: str, deck: lopin.Deck) -> dict:
         return {"scene": name, "ends": str(stopped).split("\n")[0][:120]}
     steps = result.summary["steps"]
     history = {k: np.asarray(v, float) for k, v in result.history.items()}
-    last = np.flatnonzero(history["step"] == max(1, history["step"].max() - (len(steps) > 1)))[-1]
     force = driving_force(history)
+    ends = np.flatnonzero(np.diff(np.append(history["step"], np.inf)) > 0.0)   # of the steps
+    pressed = [k for k in ends if abs(force[k]) > 1e-9*np.abs(force).max()]
+    last = pressed[-1] if pressed else -1
     said = sorted({str(d["code"]) for d in result.diagnostics if str(d["code"])[0] == "W"
                    or d["code"] in ("N0517", "N0561")})
     row = {"scene": name, "increments": sum(s["increments"] for s in steps),
@@ -190,8 +193,8 @@ def line_of(row: dict) -> str:
     if "ends" in row:
         return f"| {row['scene']} | | | | stops: {row['ends']} |"
     off = f", {100.0*row['exact']:+.2f} % of Euler and Eytelwein" if "exact" in row else ""
-    return (f"| {row['scene']} | {row['increments']}, {row['iterations']} | {row['largest']:.4g} | "
-            f"{row['end']:.4g}{off} | {row['said']} |")
+    forces = f"{row['largest']:.4g} | {row['end']:.4g}{off}" if row["largest"] else "|"
+    return f"| {row['scene']} | {row['increments']}, {row['iterations']} | {forces} | {row['said']} |"
 
 
 def write(rows: list[dict]) -> None:

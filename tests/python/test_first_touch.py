@@ -8,10 +8,12 @@ import lopin
 from lopin.charts.cases import with_elements
 from lopin.laws import Elastic
 from lopin.mesh import make as mesh_make
-from lopin.profile import arc, start
+from lopin.mesh import together
+from lopin.profile import arc, plane, start
 from pressed_block import block, step
 
 
+METAL = lopin.Material(Elastic(1000.0, 0.3), lopin.Plastic([(10.0, 0.0), (20.0, 1.0)]), name="METAL")
 ROUND = ("START, 11., {top}\nCIRCL, 5., {y}, 5., {top}\nCIRCL, -1., {top}, 5., {top}")
 
 
@@ -44,6 +46,32 @@ def test_under_a_round_tool_the_increment_goes_by_parts(solve, words, mu, down, 
     fine, _ = force(solve, 100, words, mu, down, along, "round")
     for n in (1, 2):
         assert force(solve, n, words, mu, down, along, "round")[0] == pytest.approx(fine, rel=0.02)
+
+
+@pytest.mark.parametrize("share", [0.9, 0.98, 1.0 - 1e-5, 1.0 - 1e-11])
+def test_the_way_to_a_late_touch_may_be_cut(solve, share):
+    """A block flows too far in an increment, at whose end another one is touched and sheared: the
+    way to the touch was cut for the flow, and the rest of it went on in the parts that are meant for
+    the touch (a square cup of 24 cells: 2 000 increments for 1e-10 of its way)."""
+    mesh = together(A=mesh_make.block((4.0, 4.0), (4, 4)),
+                    B=mesh_make.block((6.0, 2.0), (12, 4), origin=(10.0, 0.0)))
+    model = lopin.Model("late", mesh)
+    model.section("A.ALL", METAL)
+    model.section("B.ALL", Elastic(1000.0, 0.3))
+    plate = model.rigid_tool("PLATE", plane(4.0, 9.0))
+    bottom = 2.0 + 0.5*share   # reached after this share of half of the second step
+    ball = model.rigid_tool("BALL", arc((13.0, bottom + 99.0), 99.0, 260.0, 280.0), ref=(13.0, bottom))
+    model.contact("A.TOP", plate)
+    model.contact("B.TOP", ball, friction=0.3)
+    model.fix("A.BOTTOM", "y")
+    model.fix("A.LEFT", "x")
+    model.fix("B.BOTTOM", "x", "y")
+    model.step(nlgeom=True).move(plate, y=-0.1)
+    press = model.step(2, nlgeom=True)
+    press.move(plate, y=-2.4)
+    press.move(ball, x=0.5, y=-1.0)
+    result = solve(model.to_deck())
+    assert result.verdict == "PASS" and result.summary["steps"][1]["increments"] < 60
 
 
 def test_fixed_increments_say_it(solve):

@@ -1,8 +1,8 @@
 !> Pairs whose deck does not say how they are enforced, at the nodes or surface to surface.
 !>
 !> At the nodes is what a pair is that says nothing. Where facets do not match, and surface to
-!> surface costs no more (linear scenes of the plane: docs/which-method.md), it is carried out
-!> surface to surface.
+!> surface costs no more (linear scenes: docs/which-method.md), it is carried out surface to
+!> surface.
 module lopin_settle_formulation
    use lopin_error, only : error_type, log_type, severity
    use lopin_kinds, only : wp
@@ -28,7 +28,7 @@ contains
 
       said = scene%log
       call meet_surfaces(scene, model, error)
-      if (allocated(error) .or. model%mesh%ndim /= 2) return
+      if (allocated(error)) return
       if (.not. any(model%pair%open .and. .not. model%pair%surface_to_surface)) return
       if (needs_nonlinear(model)) return
       uneven = unevenness(scene, model, model%pair%open)

@@ -108,7 +108,8 @@ contains
       is_late = .false.
       if (.not. any(closed)) return
       first = minval(touch, mask=closed)
-      if (.not. first < 1.0_wp) return
+      ! What touches where the increment ends, but for less than an increment, touches at once.
+      if (.not. 1.0_wp - first > parts_of_touch*scene%least_part) return
       late = 0.0_wp
       net = 0.0_wp
       do i = 1, size(closed)

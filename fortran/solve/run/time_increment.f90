@@ -70,8 +70,12 @@ contains
          run%frame%attempt = 1
          run%scene%newton%sized = 0
          self%turn = next_turn(model, run%plan, step, clock%start, clock%time)
-         if (clock%time < clock%parts_until - same_time*step%period) clock%increment = &
-            & min(clock%increment, clock%part)
+         ! Where the way to the first touch was cut, increments go there first.
+         if (clock%time < clock%parts_from - same_time*step%period) then
+            clock%increment = min(clock%increment, clock%parts_from - clock%time)
+         else if (clock%time < clock%parts_until - same_time*step%period) then
+            clock%increment = min(clock%increment, clock%part)
+         end if
       end associate
    end subroutine first_attempt
 
@@ -97,9 +101,10 @@ contains
          frame%total_time = clock%start + target_time
          frame%time_increment = increment
          frame%last_of_step = .not. target_time < step%period
-         scene%may_part = .not. step%direct .and. increment/parts_of_touch >= &
-            & max(step%smallest, smallest*step%period) .and. .not. time < clock%parts_until &
-            & - same_time*step%period
+         scene%may_part = .not. (step%direct .or. time < clock%parts_until &
+            & - same_time*step%period)
+         scene%least_part = max(merge(0.0_wp, step%smallest, step%direct), &
+            & smallest*step%period)/increment
          scene%may_cut = .not. step%direct .and. cut*increment >= max(step%smallest, &
             & smallest*step%period)
          scene%newton%dt = increment
@@ -182,6 +187,7 @@ contains
       type(clock_state_type), intent(inout) :: clock
       real(wp), intent(in) :: first            !! share of the increment before the touch
 
+      clock%parts_from = clock%time + first*clock%increment
       clock%parts_until = clock%time + clock%increment
       clock%part = (1.0_wp - first)*clock%increment/parts_of_touch
       clock%increment = clock%part

@@ -79,6 +79,7 @@ module lopin_scene
       logical :: may_cut = .false.    !! the increment that is tried may be cut if it fails
       real(wp) :: turned = 0.0_wp     !! tool against sliding points in the increment [rad]
       logical :: may_part = .false.   !! an increment in which contact begins may be cut
+      real(wp) :: least_part = 0.0_wp    !! share of the increment that a part of it is at least
       real(wp) :: first_touch = 0.0_wp   !! share of the increment before it
       class(watcher_type), allocatable :: watcher  !! told of what happens; it changes nothing
       type(clock_type) :: clock
