@@ -123,20 +123,20 @@ def in_balance(parts: DeckParts, body: Body, mesh: NewMesh, states, weights, las
         return *_taken_back(states, highest), why
     flows, old = depends_on_rate(parts, body), last.points.within(body.elements)
     before = _energy([old.strain], [old.volume])/(2.0*np.pi if body.axisymmetric else 1.0)
-    for _ in range(1 if flows else PASSES):
+    for done in range(1 if flows else PASSES):
         found = _balanced(parts, body, mesh, states, *load, folder)
         if found is None:
             why = "no elastic stresses balance the forces"
         elif _energy(found, weights) > WILD*before:
             why = "the mesh is too coarse to bear the forces elastically"
         if why or _change(states, found) < SLIGHT:
-            break
+            break   # what earlier passes have put on stays
         if flows:
             return found, _taken_back(found, highest)[1], ""
         states, over = _taken_back(found, highest)
         if max(float(o.max()) for o in over) < FLOWS:
             return states, over, ""
-    return *_taken_back(states, highest), why
+    return *_taken_back(states, highest), "" if done else why
 
 
 def _change(old, new) -> float:
