@@ -103,7 +103,8 @@ def free(deck):
 
 
 @pytest.mark.parametrize("kind, slave, master", [
-    ("CPE4", 7, 4), ("CAX4", 3, 4), ("CPE3", 9, 4), ("C3D8", 4, 5), ("C3D8", 5, 4), ("C3D4", 3, 4)])
+    ("CPE4", 7, 4), ("CAX4", 3, 4), ("CPE3", 9, 4), ("C3D8", 4, 5), ("C3D8", 5, 4), ("C3D4", 3, 4),
+    ("C3D8", 4, 9)])
 def test_a_pair_that_says_nothing_is_surface_to_surface_there(solve, tmp_path, kind, slave,
                                                               master):
     """Exact where the nodes are off by what W0333 says, in any units; the plan says so."""

@@ -183,7 +183,9 @@ contains
          call solve_patch(patch, scene, constraints, area(local), -force, more)
          if (.not. allocated(more)) return
          counted = far_from_rim(slave, facets_inside(slave, inside))
-         deviation = maxval(abs(wrong + more)/area(local), mask=counted(local))
+         ! Of a slave much coarser than the master the window may hold no node far from its rim.
+         if (any(counted(local))) deviation = maxval(abs(wrong + more)/area(local), &
+            & mask=counted(local))
          of_master = forced(scene, master, met, force, area(local), point)
       end associate
    end subroutine find_deviation
