@@ -244,16 +244,18 @@ contains
       call add_explanation(list, 'N0347', 'a pair that says no TYPE is carried out surface to '// &
          & 'surface', 'At the nodes its facets, which do not match, would make a uniform '// &
          & 'pressure uneven by the figure that is said (W0333), or even on the slave and '// &
-         & 'uneven in the master. In linear scenes '// &
-         & 'surface to surface costs no more and is exact there, so it is taken where the deck '// &
-         & 'leaves the choice open: no TYPE, SMOOTH or EXTENSION ZONE.', &
+         & 'uneven in the master. In linear scenes surface to surface costs no more and is '// &
+         & 'exact there, so it is taken where the deck leaves the choice open: no TYPE, SMOOTH '// &
+         & 'or EXTENSION ZONE. In space all nodes of the slave must have the master opposite: '// &
+         & 'at its end contact is narrower than a facet.', &
          & 'TYPE=NODE TO SURFACE where contact at the nodes is meant.')
       call add_explanation(list, 'W0341', 'chords beside an interference or a gap', &
          & 'Facets that do not match cut an arc at different places: their gaps differ by the '// &
          & 'sag of a facet, its length times the angle between facets over eight. Beside a '// &
          & 'small interference pressures then vary by sag / (interference times angle) of '// &
          & 'themselves, beside a small gap the corners of facets touch first. Mean pressures '// &
-         & 'suffer less. *CLEARANCE or facets that match even the gaps, but nodes still press '// &
+         & 'suffer less; surface to surface they lack two thirds of the difference of the sags '// &
+         & 'of both sides. *CLEARANCE or facets that match even the gaps, but nodes press '// &
          & 'along the normals of single facets, which lean against the curve by up to half '// &
          & 'the angle between facets: so much of the normal force is a wrong tangential one.', &
          & 'finer or matching facets, or second-order elements whose mid-side nodes are on the '// &

@@ -1,4 +1,6 @@
 """Press fits on chords: facets that do not match beside a small interference are told (W0341)."""
+import re
+
 import numpy as np
 import pytest
 from tool_patches import Lines, is_quadratic
@@ -46,6 +48,18 @@ def test_chords_beside_an_interference_are_told(solve, word, facets, interferenc
     if interference > 0.0:
         worst = np.abs(result.contact(0).last.pressure/exact(interference) - 1.0).max()
         assert (worst > 0.15) == told
+
+
+@pytest.mark.parametrize("facets", [(6, 15), (8, 15), (15, 6), (15, 7)])
+def test_a_mean_that_chords_have_changed_is_told_with_its_figure(solve, facets):
+    """Pressures are even, surface to surface, and up to a third off: it went without a word."""
+    interference = 0.064
+    result = solve(fit("CPE4", facets, interference, "SURFACE TO SURFACE"))
+    mean = result.contact(0).last.pressure.mean()
+    said = next(w for w in result.warnings if "W0341" in w and "mean interference" in w)
+    off = float(re.search(r"off by ([\d.]+) %", said).group(1))/100.0
+    # By the mean that was found; what is missing of a convex side is too much of a hollow one.
+    assert 0.5*off < abs(exact(interference)/mean - 1.0) < 2.0*off
 
 
 @pytest.mark.parametrize("kind", ["SURFACE TO SURFACE", "NODE TO SURFACE"])

@@ -52,6 +52,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(cell_type), allocatable :: cells(:)
       real(wp) :: fit, spread_, floor_, sag(2), turn(2)
+      logical :: even
       integer :: pair, side, worst
 
       ! A run that goes on has been told.
@@ -71,14 +72,16 @@ contains
                   & turn(1)/sqrt(12.0_wp), log)
             end if
             if (abs(fit) <= floor_) cycle
-            if (.not. abs(fit) > 0.0_wp .or. .not. spread_ > told*abs(fit)*0.05_wp) cycle
+            even = .not. spread_ > told*abs(fit)*0.05_wp
+            if (.not. abs(fit) > 0.0_wp .or. (even .and. .not. is_mortar(model, p))) cycle
             do side = 1, 2
                call sag_of(model, cells, merge(p%slave, p%master, side == 1), sag(side), &
                   & turn(side), error)
                if (allocated(error)) return
             end do
             worst = maxloc(sag, 1)
-            if (.not. sag(worst) > 0.0_wp) cycle
+            if (is_mortar(model, p)) call check_mean_fit(model, pair, fit, sag, log)
+            if (even .or. .not. sag(worst) > 0.0_wp) cycle
             call check_chord_fit(model, pair, fit, chords_type(merge(p%slave, p%master, &
                & worst == 1), sag(worst), turn(worst), min(spread_, sum(sag)), &
                & spread_ > parallel*sum(sag)), log)
@@ -207,6 +210,31 @@ contains
          end if
       end associate
    end subroutine check_chord_fit
+
+   !> Surface to surface a fit is a mean, even where chords are long: those of the shaft lie inside
+   !> its arc by two thirds of their sags, those of the bore too, and the difference is missing.
+   subroutine check_mean_fit(model, pair, fit, sag, log)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: pair
+      real(wp), intent(in) :: fit              !! mean interference [length]
+      real(wp), intent(in) :: sag(2)           !! of the slave and of the master [length]
+      type(log_type), intent(inout) :: log
+      real(wp) :: missing
+
+      missing = 2.0_wp/3.0_wp*abs(sag(1) - sag(2))
+      if (.not. (fit > 0.0_wp .and. missing > 0.5_wp*told*fit)) return
+      associate (p => model%pair(pair))
+         call log%say(severity%warning, 'W0341', 'the chords of '//model%surface(merge(p%slave, &
+            & p%master, sag(1) > sag(2)))%name//' stand up to '//to_text(maxval(sag), 3)// &
+            & ' off their arc: the mean interference of '//pair_name(model, pair)//' is '// &
+            & to_text(fit, 3)//' where that of the arcs differs by about '// &
+            & to_text(missing, 2)//', and pressures may be off by '// &
+            & to_text(100.0_wp*missing/fit, 2)//' %', p%at, help= &
+            & 'as many facets on both sides, '// &
+            & to_text(ceiling(sqrt(missing/(0.5_wp*told*fit))))// &
+            & ' times as many on this one, or second-order elements on both')
+      end associate
+   end subroutine check_mean_fit
 
    pure function pair_name(model, pair) result(name)
       type(model_type), intent(in) :: model

@@ -32,12 +32,26 @@ contains
       if (.not. any(model%pair%open .and. .not. model%pair%surface_to_surface)) return
       if (needs_nonlinear(model)) return
       uneven = unevenness(scene, model, model%pair%open)
+      if (model%mesh%ndim == 3) where (hangs_over(scene, size(uneven))) uneven = -1.0_wp
       if (.not. any(uneven >= 0.0_wp)) return
       scene%log = said
       call integrate(scene, model, uneven)
       plan%reason = plan%reason//'; surface to surface where facets do not match'
       call meet_surfaces(scene, model, error)
    end subroutine settle_formulation
+
+   !> Some nodes of the slave have nothing opposite. Where the master ends within its facets, as a
+   !> leaf of a spring does, the line of contact is narrower than these, and their means stand for
+   !> more of it than the nodes do.
+   pure function hangs_over(scene, npair) result(hangs)
+      type(scene_type), intent(in) :: scene
+      integer, intent(in) :: npair
+      logical :: hangs(npair)
+      integer :: i
+
+      hangs = [(any(scene%points%facet(scene%points%first(i):scene%points%first(i + 1) - 1) == 0), &
+         & i=1, npair)]
+   end function hangs_over
 
    !> Take pairs surface to surface, and say so: all whose facets do not match. Where the pressure
    !> of the slave would be even, the master would still have it at the nodes of the slave alone.

@@ -183,9 +183,9 @@ contains
          call solve_patch(patch, scene, constraints, area(local), -force, more)
          if (.not. allocated(more)) return
          counted = far_from_rim(slave, facets_inside(slave, inside))
-         ! Of a slave much coarser than the master the window may hold no node far from its rim.
-         if (any(counted(local))) deviation = maxval(abs(wrong + more)/area(local), &
-            & mask=counted(local))
+         ! In space the window may hold no node far from its rim of a slave that is much coarser.
+         if (any(counted(local)) .or. size(force, 1) == 2) deviation = &
+            & maxval(abs(wrong + more)/area(local), mask=counted(local))
          of_master = forced(scene, master, met, force, area(local), point)
       end associate
    end subroutine find_deviation
