@@ -11,7 +11,7 @@ from .errors import UsageError
 from .materials import Orientation
 from .model_parts import Tool
 from .model_read_cards import Card, contact_method, friction_law, material
-from .model_read_mesh import MeshCards, expanded
+from .model_read_mesh import HELD_BY_WORD, MeshCards, expanded
 from .model_read_step import StepCards
 
 if TYPE_CHECKING:
@@ -266,13 +266,8 @@ class _Reader:
             if not isinstance(points, Tool):
                 known = tuple(range(1, self.model.mesh.ndim + 1))
             if isinstance(row[1], str):
-                yield points, {d: 0.0 for d in _WORDS[row[1].upper()] if d in known}
+                yield points, {d: 0.0 for d in HELD_BY_WORD[row[1].upper()] if d in known}
                 continue
             last = row[2] if len(row) > 2 and row[2] is not None else row[1]
             value = float(row[3]) if len(row) > 3 and row[3] is not None else 0.0
             yield points, {d: value for d in range(row[1], last + 1) if d in known}
-
-
-_WORDS = {"ENCASTRE": (1, 2, 3, 4, 5, 6), "PINNED": (1, 2, 3), "XSYMM": (1, 5, 6),
-          "YSYMM": (2, 4, 6), "ZSYMM": (3, 4, 5), "XASYMM": (2, 3, 4), "YASYMM": (1, 3, 5),
-          "ZASYMM": (1, 2, 6)}

@@ -20,6 +20,11 @@ PLANE = {3: "triangle", 6: "triangle6", 4: "quad", 8: "quad8"}
 SOLID = {4: "tetra", 10: "tetra10", 6: "wedge", 15: "wedge15", 8: "hexahedron",
           20: "hexahedron20"}
 
+#: Degrees of freedom that words of *BOUNDARY hold.
+HELD_BY_WORD = {"ENCASTRE": (1, 2, 3, 4, 5, 6), "PINNED": (1, 2, 3), "XSYMM": (1, 5, 6),
+                "YSYMM": (2, 4, 6), "ZSYMM": (3, 4, 5), "XASYMM": (2, 3, 4), "YASYMM": (1, 3, 5),
+                "ZASYMM": (1, 2, 6)}
+
 
 def plain(value):
     """A label or word without its quotes."""

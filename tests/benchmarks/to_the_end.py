@@ -49,6 +49,12 @@ def with_law(text: str, law: str, m: float) -> str:
     return re.sub(r"\*FRICTION[^\n]*\n[^\n]*", f"*FRICTION, LAW={law}\n{m:g}", text)
 
 
+def oiled(mu: float, *pairs: str) -> list[str]:
+    """Pairs and their friction; none for 0."""
+    lines = sheets.interaction("OILED", mu, *pairs)
+    return lines if mu else [line for line in lines if line not in ("*FRICTION", "0")]
+
+
 def u_bend(radius: float = 5.0, gap: float = 0.2, cells: tuple[int, int] = (60, 2), mu: float = 0.1,
            metal: str = SWIFT, first: float | None = None, stroke: float = 30.0) -> str:
     """A sheet of 1 mm drawn into a U of 40 mm without a pad under the punch."""
@@ -78,9 +84,7 @@ def three_points(layers: int, mu: float) -> str:
         lines += sheets.tool(name, node, (x, y), [
             f"START, {x - 8.0*turn:g}, {y:g}", f"CIRCL, {x:g}, {y + 8.0*turn:g}, {x:g}, {y:g}",
             f"CIRCL, {x + 8.0*turn:g}, {y:g}, {x:g}, {y:g}"])
-    lines += sheets.interaction("OILED", mu, "TOP, ROLLER", "BOTTOM, SUPPORT")
-    if not mu:
-        lines = [line for line in lines if line not in ("*FRICTION", "0")]
+    lines += oiled(mu, "TOP, ROLLER", "BOTTOM, SUPPORT")
     return "\n".join(["*HEADING", "Three points", *lines, "*BOUNDARY", "MIDDLE, 1", "ROLLER_REF, 1",
                       "ROLLER_REF, 6", "SUPPORT_REF, 1, 2", "SUPPORT_REF, 6",
                       "*STEP, NLGEOM, INC=2000", "*STATIC", "*BOUNDARY", "ROLLER_REF, 2, 2, -36.",
@@ -93,9 +97,7 @@ def lifted(mu: float) -> str:
     lines = sheets.sheet("CPE4I", [40.0*i/80 for i in range(81)], 1.0, 2)
     lines += sheets.material([(300.0, 0.0), (1300.0, 2.0)], 210e3)
     lines += sheets.tool("DIE", 90002, (0.0, 0.0), ["START, -5., 0.", "LINE, 90., 0."])
-    lines += sheets.interaction("OILED", mu, "BOTTOM, DIE")
-    if not mu:
-        lines = [line for line in lines if line not in ("*FRICTION", "0")]
+    lines += oiled(mu, "BOTTOM, DIE")
     return "\n".join(["*HEADING", "Lifted", *lines, "*BOUNDARY", "MIDDLE, 1", "DIE_REF, 1, 2",
                       "DIE_REF, 6", "*STEP, NLGEOM", "*STATIC", "*DSLOAD", "TOP, P, 5.", "*END STEP",
                       "*STEP, NLGEOM", "*STATIC", "*DSLOAD", "TOP, P, 0.01", "*BOUNDARY",
@@ -116,13 +118,8 @@ def scenes() -> Iterator[tuple[str, Callable[[], lopin.Deck]]]:
             (", 60 x 1 cells", {"cells": (60, 1)}),
             (", from 300 MPa", {"metal": "*PLASTIC\n300., 0.\n1300., 2."}),
             (", from 900 MPa", {"metal": "*PLASTIC\n900., 0.\n1900., 2."})]:
-        def bend(changes=changes):
-            first = changes.get("first")
-            deck = default(u_bend(**changes))
-            if first:
-                deck = deck.replace("*STATIC\n", f"*STATIC\n{first:g}, 1.\n")
-            return lopin.Deck.parse(deck, "scene")
-        yield "U-bend without a pad" + word, bend
+        yield "U-bend without a pad" + word, (
+            lambda changes=changes: lopin.Deck.parse(u_bend(**changes), "scene"))
     for law, m in LAWS:
         yield f"V-bend, {law} {m:g}", of(lambda law=law, m=m: with_law(sheets.v_bending(), law, m))
     for law, m in LAWS:

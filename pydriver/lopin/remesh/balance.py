@@ -18,7 +18,7 @@ from ..errors import LopinError
 from ..job import Job
 from ..model_read_mesh import plain
 from ..points import Points
-from .body import SIMPLEX, Body, DeckParts, held_in, pair_names
+from .body import SIMPLEX, Body, DeckParts, pair_names, supports
 from .loads import loads_of
 from .part import NewMesh, new_labels, state_block
 from .state import Snapshot
@@ -54,7 +54,7 @@ def rigid_motions(x: NDArray, axisymmetric: bool) -> NDArray:
     shifts = [np.broadcast_to(axis, (n, d)) for axis in np.eye(d)]
     turns = [np.stack([-arm[:, 1], arm[:, 0]], axis=1)] if d == 2 else \
         [np.cross(axis, arm) for axis in np.eye(3)]
-    return np.array([*shifts, *(t/max(np.ptp(x), np.finfo(float).tiny) for t in turns)])
+    return np.array([*shifts, *(t/max(np.ptp(x), TINY) for t in turns)])
 
 
 def free_motions(x: NDArray, held: NDArray, axisymmetric: bool) -> NDArray:
@@ -65,7 +65,7 @@ def free_motions(x: NDArray, held: NDArray, axisymmetric: bool) -> NDArray:
     if at.size == 0:
         return motions
     u, s, _ = np.linalg.svd(at, full_matrices=True)
-    rank = int((s > 1e-6*max(s.max(), np.finfo(float).tiny)).sum())
+    rank = int((s > 1e-6*max(s.max(), TINY)).sum())
     return np.tensordot(u[:, rank:].T, motions, axes=1)
 
 
@@ -79,7 +79,7 @@ def made_even(force: NDArray, free: NDArray) -> tuple[NDArray, float]:
     square = (flat*weight) @ flat.T
     change = (weight*(np.linalg.lstsq(square, work, rcond=1e-10)[0] @ flat)).reshape(force.shape)
     size = np.abs(force).sum()
-    return force - change, float(np.abs(change).sum()/max(size, np.finfo(float).tiny))
+    return force - change, float(np.abs(change).sum()/max(size, TINY))
 
 
 def pinned(free: NDArray) -> list[tuple[int, int]]:
@@ -91,19 +91,6 @@ def pinned(free: NDArray) -> list[tuple[int, int]]:
         left -= np.outer(column, column @ left)
         found.append((k//free.shape[2], k % free.shape[2]))
     return found
-
-
-def supports(parts: DeckParts, mesh: NewMesh, step: int) -> NDArray:
-    """Degrees of freedom of the new nodes that *BOUNDARY holds in a step (node, ndim)."""
-    held = np.zeros(mesh.x.shape, bool)
-    for name, dofs in held_in(parts, step):
-        nodes = [f for f, tag in zip(mesh.facets, mesh.tags) if ("N", name) in tag]
-        nodes = np.unique(np.concatenate([*nodes, np.asarray(mesh.named.get(name, []), int)])) \
-            .astype(int)
-        for dof in dofs:
-            if dof <= mesh.x.shape[1]:
-                held[nodes, dof - 1] = True
-    return held
 
 
 def in_balance(parts: DeckParts, body: Body, mesh: NewMesh, states, weights, last: Snapshot,

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +11,10 @@ from numpy.typing import NDArray
 from ..deck import Block, Deck
 from ..errors import ModelError, UsageError
 from ..mesh.cells import CELLS
-from ..model_read_mesh import MeshCards, expanded, plain
+from ..model_read_mesh import HELD_BY_WORD, MeshCards, expanded, plain
+
+if TYPE_CHECKING:
+    from .part import NewMesh
 
 #: Words of elements that can be made anew, and the cells that they are made of.
 WORDS = {"CPE4": "quad", "CAX4": "quad", "CPE4R": "quad", "CAX4R": "quad", "CPE3": "triangle",
@@ -19,9 +23,6 @@ WORDS = {"CPE4": "quad", "CAX4": "quad", "CPE4R": "quad", "CAX4R": "quad", "CPE3
 SIMPLEX = {"CPE4": "CPE3", "CAX4": "CAX3", "CPE4R": "CPE3", "CAX4R": "CAX3"}
 #: Cards that put displacements, loads or couplings on nodes.
 _ON_NODES = ("BOUNDARY", "CLOAD", "TEMPERATURE")
-#: Translations that words of *BOUNDARY hold.
-_HELD = {"ENCASTRE": (1, 2, 3), "PINNED": (1, 2, 3), "XSYMM": (1,), "YSYMM": (2,), "ZSYMM": (3,),
-         "XASYMM": (2, 3), "YASYMM": (1, 3), "ZASYMM": (1, 2)}
 
 
 def refused(what: str, help: str = "") -> ModelError:
@@ -46,7 +47,7 @@ def held_dofs(row) -> tuple[int, ...]:
     ((1,), (1, 2), (2,))
     """
     if isinstance(row[1], str):
-        return _HELD.get(row[1].upper(), (1, 2, 3))
+        return tuple(d for d in HELD_BY_WORD.get(row[1].upper(), (1, 2, 3)) if d <= 3)
     last = row[2] if len(row) > 2 and row[2] is not None else row[1]
     return tuple(range(int(row[1]), int(last) + 1))
 
@@ -134,6 +135,26 @@ class DeckParts:
             return cls(blocks, MeshCards(blocks))
         except UsageError as problem:
             raise refused(f"*REMESH cannot read the mesh: {problem.message}") from problem
+
+
+def named_rows(mesh: Body | NewMesh) -> dict[str, NDArray]:
+    """Rows of the nodes of each set of a body, or of the new mesh of one."""
+    rows = {name: [np.asarray(own, int)] for name, own in mesh.named.items()}
+    for facet, tag in zip(mesh.facets, mesh.tags):
+        for kind, name in tag:
+            if kind == "N":
+                rows.setdefault(name, []).append(facet)
+    return {name: np.unique(np.concatenate(own)) for name, own in rows.items()}
+
+
+def supports(parts: DeckParts, mesh: Body | NewMesh, step: int) -> NDArray:
+    """Translations of the nodes that *BOUNDARY holds in a step (node, ndim)."""
+    held, names = np.zeros(mesh.x.shape, bool), named_rows(mesh)
+    for name, dofs in held_in(parts, step):
+        for dof in dofs if name in names else ():
+            if dof <= held.shape[1]:
+                held[names[name], dof - 1] = True
+    return held
 
 
 def read_body(parts: DeckParts, elset: str) -> Body:

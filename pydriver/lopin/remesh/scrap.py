@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from .body import Body, DeckParts, faces_of_cell, held_in
+from .body import Body, DeckParts, faces_of_cell, supports
 from .state import Snapshot
 
 #: A piece is loose whose tools push it one way: their forces add up to more than this share of
@@ -71,16 +71,6 @@ def by_group(body: Body, values: NDArray) -> list[NDArray]:
     return np.split(values, np.cumsum([len(group) for group in body.cells])[:-1])
 
 
-def named_rows(body: Body) -> dict[str, NDArray]:
-    """Rows of the nodes of each set of the body."""
-    rows = {name: [np.asarray(own, int)] for name, own in body.named.items()}
-    for facet, tag in zip(body.facets, body.tags):
-        for kind, name in tag:
-            if kind == "N":
-                rows.setdefault(name, []).append(facet)
-    return {name: np.unique(np.concatenate(own)) for name, own in rows.items()}
-
-
 def pieces(body: Body, gone: NDArray) -> Iterator[NDArray]:
     """Elements of each piece that is left (element,), the largest first."""
     kept = [g[~out] for g, out in zip(body.cells, by_group(body, gone))]
@@ -95,16 +85,6 @@ def pieces(body: Body, gone: NDArray) -> Iterator[NDArray]:
         own = np.zeros(len(gone), bool)
         own[np.flatnonzero(~gone)[of_element == name]] = True
         yield own
-
-
-def supports(parts: DeckParts, body: Body, step: int) -> NDArray:
-    """Which translations of each node supports hold in a step (node, ndim)."""
-    held, names = np.zeros((len(body.labels), body.ndim), bool), named_rows(body)
-    for name, dofs in held_in(parts, step):
-        for dof in dofs if name in names else ():
-            if dof <= body.ndim:
-                held[names[name], dof - 1] = True
-    return held
 
 
 def forces(body: Body, last: Snapshot) -> NDArray:

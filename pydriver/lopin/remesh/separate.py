@@ -10,12 +10,20 @@ from numpy.typing import NDArray
 from ..deck import Block, Deck
 from ..model_read_mesh import plain
 from ..points import Points
-from .body import Body, DeckParts, boundary_facets, direct_labels, read_body, refused
+from .body import (
+    Body,
+    DeckParts,
+    boundary_facets,
+    direct_labels,
+    named_rows,
+    read_body,
+    refused,
+)
 from .part import NewMesh, SkinOrigin, next_deck, state_block
 from .plane import crossings, worst_corner
 from .remake import kept_block, start_block, traction_block
 from .report import Remesh
-from .scrap import bodies, by_group, loose, named_rows, pieces, split
+from .scrap import bodies, by_group, loose, pieces, split
 from .state import Snapshot
 from .transfer import fields_of
 
