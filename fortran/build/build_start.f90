@@ -73,6 +73,7 @@ contains
          call read_time('REST', start%rest)
          call read_time('INCREMENT', start%increment)
          call read_time('RELEASE', start%release)
+         call read_time('SEATING', start%seating)
          associate (step => model%step(start%step))
             if (.not. step%nlgeom) call complain(model%log, 'E0210', &
                & 'a run goes on in the middle of a step of finite strain only', block%at, &

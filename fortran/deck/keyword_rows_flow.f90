@@ -220,6 +220,8 @@ contains
       call number(table, 'RELEASE', '0.', 'Time over which forces fade that the mesh leaves '// &
          & 'out of balance, as where elements were taken out; 0: they are let go of in the '// &
          & 'increment at rest [time].')
+      call number(table, 'SEATING', '0.', 'Time over which slave nodes are pressed out of '// &
+         & 'tools that the mesh leaves them inside of; 0: in the increment at rest [time].')
       call data_line(table, 'node or set, dof, displacement, displacement where the step began '// &
          & '= 0, load there = 0', 'What has moved already: tools, and bodies that keep their '// &
          & 'mesh. Their coordinates in the deck are those of the start.')

@@ -9,7 +9,7 @@ module lopin_start
    use lopin_damage_criteria, only : damage_names
    implicit none
    private
-   public :: start_type, displaced_type, kept_memory_type, unreleased
+   public :: start_type, displaced_type, kept_memory_type, unreleased, unseated
 
    !> A degree of freedom that has moved already.
    type :: displaced_type
@@ -39,23 +39,43 @@ module lopin_start
       real(wp) :: rest = 0.0_wp                !! length of the first increment [time]
       real(wp) :: increment = 0.0_wp           !! of the second [time]
       real(wp) :: release = 0.0_wp             !! over which forces out of balance fade [time]
+      real(wp) :: seating = 0.0_wp             !! over which what is inside tools is pressed out
+                                               !! [time]
       type(displaced_type), allocatable :: displaced(:)
       type(kept_memory_type), allocatable :: kept(:)   !! of meshes that stay
    end type start_type
 
 contains
 
-   !> Share of the forces out of balance at the start that still acts at a time of the step: it
-   !> fades evenly from the end of the increment at rest on.
+   !> Share of the forces out of balance at the start that still acts at a time of the step.
    elemental real(wp) function unreleased(self, time, period)
       type(start_type), intent(in) :: self
       real(wp), intent(in) :: time             !! of the step [time]
       real(wp), intent(in) :: period           !! of the step [time]
-      real(wp) :: from, lasts
+
+      unreleased = share_left(self, self%release, time, period)
+   end function unreleased
+
+   !> Share of what slave nodes were inside tools at the start that they may still be inside.
+   elemental real(wp) function unseated(self, time, period)
+      type(start_type), intent(in) :: self
+      real(wp), intent(in) :: time             !! of the step [time]
+      real(wp), intent(in) :: period           !! of the step [time]
+
+      unseated = share_left(self, self%seating, time, period)
+   end function unseated
+
+   !> What fades evenly from the end of the increment at rest on.
+   elemental real(wp) function share_left(self, lasts, time, period)
+      type(start_type), intent(in) :: self
+      real(wp), intent(in) :: lasts            !! 0: it is gone in the increment at rest [time]
+      real(wp), intent(in) :: time             !! of the step [time]
+      real(wp), intent(in) :: period           !! of the step [time]
+      real(wp) :: from, until
 
       from = self%time + self%rest
-      lasts = min(self%release, period - from)
-      unreleased = 0.0_wp
-      if (lasts > 0.0_wp) unreleased = max(0.0_wp, min(1.0_wp, 1.0_wp - (time - from)/lasts))
-   end function unreleased
+      until = min(lasts, period - from)
+      share_left = 0.0_wp
+      if (until > 0.0_wp) share_left = max(0.0_wp, min(1.0_wp, 1.0_wp - (time - from)/until))
+   end function share_left
 end module lopin_start

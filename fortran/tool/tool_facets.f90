@@ -15,6 +15,8 @@ module lopin_tool_facets
    public :: facets_tool_type, new_facets_tool, nearest_type, settle_flat, goes_through
 
    real(wp), parameter :: tie = 1.0e-12_wp   !! relative: of equal distances the least facet wins
+   !> How much deeper behind a wall than far from the surface a point may be: curved facets.
+   real(wp), parameter :: deeper = 2.0_wp
 
    type, extends(tool_type) :: facets_tool_type
       type(facet_mesh_type) :: mesh
@@ -123,6 +125,9 @@ contains
       call self%settle(x, other, feet(2))
       ! Where a crease ends both ways may lead to one place.
       if (feet(2)%segment == feet(1)%segment) return
+      ! What is behind both walls of a corner is no nearer to the surface than it is deep: deeper
+      ! behind one, it stands before the corner of a sliver in a surface that goes on.
+      if (feet(2)%gap < -deeper*norm2(x - feet(1)%point)) return
       nfeet = 2
       if (feet(2)%gap < feet(1)%gap) feet = feet([2, 1])
    end subroutine project_walls

@@ -14,6 +14,7 @@ from .deck import Deck
 from .errors import Interrupted, LopinError, NotConvergedError, ResourceError, UsageError, error_of
 from .folder import Folder
 from .memory import Memory
+from .model_read_mesh import named_from
 from .result import Result
 
 if TYPE_CHECKING:
@@ -169,13 +170,18 @@ def _run_executable(deck: Deck, output: str | Path | None, words: list[str]) -> 
 
 
 def _deck_file(deck: Deck, folder: Path) -> tuple[Path, bool]:
-    """The file to run, and whether it is a copy to remove: includes need their own folder."""
+    """The file to run, and whether it is a copy to remove. A deck that is in no file is written
+    into the folder of the results, its files named from there: never over one of the user's."""
     original = deck.folder/f"{deck.name}.inp"
     if original.is_file() and Deck.read(original).text() == deck.text():
         return original, False
-    if _reads_beside(deck) and deck.folder.resolve() != folder.resolve():
-        return deck.write(deck.folder/f"{deck.name}-run.inp"), True
-    return deck.write(folder/f"{deck.name}.inp"), False
+    path = folder/original.name
+    if original.is_file() and path.resolve() == original.resolve():
+        return deck.write(folder/f"{deck.name}-run.inp"), True
+    if _reads_beside(deck):
+        copy = Deck(deck.blocks, preamble=deck.preamble, name=deck.name, folder=folder)
+        deck = named_from(copy, deck.folder)
+    return deck.write(path), False
 
 
 def _reads_beside(deck: Deck) -> bool:

@@ -20,6 +20,7 @@ program test_tool_curved
    call gradient_and_hessian_are_the_derivatives()
    call a_valley_holds_by_both_walls()
    call so_does_a_valley_that_ends()
+   call what_lies_on_a_rough_surface_is_behind_no_wall_of_it()
    call walls_beside_a_fillet_of_two_chords_stay_flat()
    call wide_facets_of_a_cylinder_are_curved_too()
    call finish()
@@ -250,6 +251,40 @@ contains
       call is_true('two feet', most == 2)
       call is_true('gaps', worst < 1.0e-9_wp)
    end subroutine so_does_a_valley_that_ends
+
+   !> Heights at random: creases of all angles, most of which end at once. A point on the surface is
+   !> in the corner of two walls or is not; behind one of them it would be inside the tool.
+   subroutine what_lies_on_a_rough_surface_is_behind_no_wall_of_it()
+      class(tool_type), allocatable :: tool
+      type(foot_type) :: feet(2)
+      integer, parameter :: n = 12
+      real(wp) :: corner(3, 3, 2*(n - 1)**2), p(3, n, n), noise(3), x(3), deepest
+      integer :: i, j, k, number, twice
+
+      call test('what lies on a rough surface is behind no wall of it')
+      do i = 1, n
+         do j = 1, n
+            call random_number(noise)
+            p(:, j, i) = [real(i, wp), real(j, wp), 0.0_wp] + [0.4_wp, 0.4_wp, 0.7_wp]*noise
+         end do
+      end do
+      call strips(p, corner)
+      call new_open(tool, corner)
+      deepest = 0.0_wp
+      twice = 0
+      do k = 1, 20000
+         call random_number(x)
+         x = [2.0_wp, 2.0_wp, 0.0_wp] + real(n - 3, wp)*[x(1), x(2), 0.0_wp]
+         call tool%project(x, feet(1))
+         x = feet(1)%point
+         call tool%project_all(x, 0.5_wp, feet, number)
+         if (number < 2) cycle
+         twice = twice + 1
+         deepest = min(deepest, feet(1)%gap)
+      end do
+      call is_true('many are in corners', twice > 1000)
+      call is_true('behind none', deepest > -1.0e-6_wp)
+   end subroutine what_lies_on_a_rough_surface_is_behind_no_wall_of_it
 
    !> Facets of 20 degrees between two of 5, and of 7 beside 2: no fillet begins at the narrow ones,
    !> which turn no more from one to the next than at the wide one.

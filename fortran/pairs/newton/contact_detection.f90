@@ -66,12 +66,30 @@ contains
       integer, intent(in) :: i
 
       call anchor_of(self%anchor(i), self%opposite(i))
+      if (self%opposite(i)%facet > 0 .and. self%opposite(i)%foot%leans) call stand_upright(self, i)
       if (.not. self%enforcement(i)%tied) return
       self%loose(i) = .not. self%anchor(i)%set
       if (self%anchor(i)%set) self%loose(i) = abs(self%anchor(i)%gap) > max(too_far*self%size(i), &
          & model%pair(self%pair(i))%adjust)
       if (.not. self%loose(i)) call tie_to_facet(self, i, self%masters%x)
    end subroutine take_anchor
+
+   !> A normal that leans from the way to the closest point: no slip where the increment begins,
+   !> however far the point is from the surface.
+   subroutine stand_upright(self, i)
+      type(nonlinear_contact_type), intent(inout) :: self
+      integer, intent(in) :: i
+      real(wp) :: place(3), arm(3)
+      integer :: d
+
+      d = size(self%masters%x, 1)
+      place = 0.0_wp
+      place(:d) = self%masters%of(self%pair(i))%motion%to_tool(self%masters%x(:, self%node(i)))
+      associate (foot => self%opposite(i)%foot)
+         arm = place - self%anchor(i)%y
+         self%anchor(i)%y = place - dot_product(arm, foot%normal)*foot%normal
+      end associate
+   end subroutine stand_upright
 
    !> A node that is glued to a facet keeps its place in the facet's frame.
    subroutine tie_to_facet(self, i, x)

@@ -1,20 +1,42 @@
-!> Quantities measured once, in the state in which contact is first evaluated: ties, and walls of
-!> surfaces in contact with themselves.
+!> Quantities measured once, in the state in which contact is first evaluated: ties, walls of
+!> surfaces in contact with themselves, and how far a new mesh reaches into tools.
 module lopin_initial_contact
    use lopin_kinds, only : wp
    use lopin_error, only : error_type
+   use lopin_start, only : unseated
    use lopin_model, only : model_type
    use lopin_nonlinear_contact, only : nonlinear_contact_type
    use lopin_search, only : cost_type
    use lopin_master_surfaces, only : move_masters
    use lopin_nonlinear_samples, only : offset_of
    use lopin_mortar_element, only : update_mortar
-   use lopin_contact_detection, only : detect_contact, take_anchor
+   use lopin_contact_detection, only : find_closest_features, detect_contact, take_anchor
    implicit none
    private
-   public :: measure_initial_contact
+   public :: measure_initial_contact, apply_overclosures
 
 contains
+
+   !> The share of overclosures that an increment applies, and whether it applies any: an
+   !> interference in the first step, or what a part's new mesh is inside tools.
+   pure subroutine apply_overclosures(self, model, step, from, until, period)
+      type(nonlinear_contact_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: step
+      real(wp), intent(in) :: from, until      !! of the step [time]
+      real(wp), intent(in) :: period           !! of the step [time]
+
+      self%early_share = 1.0_wp
+      if (step == 1) self%early_share = until/period
+      self%interference = 1.0_wp
+      self%closes_in = step == 1 .and. model%start%step == 0
+      if (model%start%step == step) then
+         self%interference = 1.0_wp - unseated(model%start, until, period)
+         self%closes_in = unseated(model%start, from, period) > 0.0_wp
+      end if
+      self%closes_in = self%closes_in .and. allocated(self%overclosure)
+      if (self%closes_in) self%closes_in = any(self%overclosure > 0.0_wp)
+   end subroutine apply_overclosures
 
    !> Ties and walls as these displacements have them.
    subroutine measure_initial_contact(self, model, u, error)
@@ -28,6 +50,8 @@ contains
       self%met_at = u
       call move_masters(self%masters, model, self%dofs, self%nonlinear_points_type, u, .true., &
          & cost, error)
+      if (allocated(error)) return
+      if (model%start%seating > 0.0_wp) call measure_overclosures(self, model, error)
       if (allocated(error)) return
       if (.not. any(self%enforcement%tied)) return
       self%tied_at = self%masters%x
@@ -47,4 +71,46 @@ contains
          self%anchor(i)%offset = offset_of(self%masters, self%nonlinear_points_type, i)
       end do
    end subroutine measure_initial_contact
+
+   !> How far points of a part's new mesh are inside what they meet, beyond what the tractions that
+   !> they start with press into a penalty: facets were longer, and their middles lay inside.
+   subroutine measure_overclosures(self, model, error)
+      type(nonlinear_contact_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: traction(3, self%n)
+      integer :: i
+
+      call find_closest_features(self, .true., .false., error)
+      if (allocated(error)) return
+      call start_tractions(traction)
+      do i = 1, self%n
+         associate (law => self%enforcement(i), opposite => self%opposite(i))
+            self%overclosure(i) = 0.0_wp
+            if (law%tied .or. self%masters%of(self%pair(i))%against_itself) cycle
+            call detect_contact(self, model, i, .true.)
+            if (opposite%facet > 0) self%overclosure(i) = max(0.0_wp, -opposite%foot%gap &
+               & - law%method%penetration(dot_product(traction(:, i), opposite%normal), &
+               & self%slope(i)))
+         end associate
+      end do
+
+   contains
+
+      pure subroutine start_tractions(traction)
+         real(wp), intent(out) :: traction(:, :)
+         integer :: k, point
+
+         traction = 0.0_wp
+         if (.not. allocated(model%initial_traction)) return
+         do k = 1, size(model%initial_traction)
+            associate (t => model%initial_traction(k))
+               do point = 1, self%n
+                  if (self%node(point) == t%node .and. self%pair(point) == t%pair) &
+                     & traction(:, point) = t%traction
+               end do
+            end associate
+         end do
+      end subroutine start_tractions
+   end subroutine measure_overclosures
 end module lopin_initial_contact

@@ -63,6 +63,7 @@ module lopin_nonlinear_contact
       type(cost_type) :: cost                  !! of the search so far
       ! set from outside
       real(wp) :: interference = 1.0_wp        !! share of initial overclosures that is applied
+      logical :: closes_in = .false.           !! the increment applies some
       real(wp) :: early_share = 1.0_wp         !! the same of rows where no node touches
       logical, allocatable :: pair_active(:)   !! *MODEL CHANGE
       type(friction_type), allocatable :: friction(:)   !! (npair) in force

@@ -38,7 +38,7 @@ contains
       if (is_heated(model)) return
       ! What a state that was handed over stores was not given here.
       if (.not. allocated(balance%closed)) return
-      if (scene%step == 1 .and. any(abs(scene%newton%contact%overclosure) > 0.0_wp)) return
+      if (scene%newton%contact%closes_in) return
       given = energy
       beyond = merge(beyond_flow, beyond_elastic, scene%newton%flows)
       associate (before => scene%accepted%loads, &

@@ -129,8 +129,7 @@ contains
          ! A jump sets its energy free, and is told by itself.
          if (scene%newton%jumped) now%excused = now%excused + max(0.0_wp, now%lost)
          ! An interference that is ramped in does work of its own.
-         if (scene%step == 1 .and. any(abs(scene%newton%contact%overclosure) > 0.0_wp)) &
-            & now%excused = huge(1.0_wp)
+         if (scene%newton%contact%closes_in) now%excused = huge(1.0_wp)
          ! What is let go of gives its energy to nothing.
          if (self%springs_back .and. now%number == 1) now%excused = huge(1.0_wp)
          self%lost = lost_work(energy)

@@ -13,6 +13,7 @@ module lopin_path_nonlinear
    use lopin_clock, only : phase
    use lopin_model, only : model_type
    use lopin_start, only : unreleased
+   use lopin_admit_tractions, only : admit_tractions
    use lopin_constraints, only : expand
    use lopin_contact_history, only : start_increment, augment
    use lopin_nonlinear_tie_release, only : release_nonlinear_ties
@@ -292,8 +293,8 @@ contains
       call release_nonlinear_ties(scene%newton%contact, model, scene%constraints)
       call find_supported_points(scene%newton%contact, model, scene%constraints, &
          & scene%accepted%motion%u, prescribed)
-      ! By the areas that the increment starts with.
-      call set_rounding_floors(scene, model)
+      call set_rounding_floors(scene, model)   ! by the areas that the increment starts with
+      if (scene%newton%rests) call admit_tractions(scene, model, error)
    end subroutine start_attempt
 
    !> Newton and augmentations.

@@ -23,6 +23,7 @@ module lopin_increment
    use lopin_solve_path, only : prepare_path, widen_path, solve_linear
    use lopin_path_nonlinear, only : solve_nonlinear
    use lopin_tell_ties, only : tell_of_ties
+   use lopin_initial_contact, only : apply_overclosures
    use lopin_torn_ties, only : refuse_torn_ties
    use lopin_certificate, only : forces_type, find_forces, certify
    use lopin_state, only : begin, accept, reject_state => reject
@@ -118,9 +119,9 @@ contains
          call loads_at(loading, model, frame%step_time, f, steady)
          call prescribed_at(loading, model, frame%step_time, prescribed)
          if (scene%newton%nlgeom) call set_followers(scene%newton%follower, model, frame%step_time)
-         scene%interference = 1.0_wp
-         if (scene%step == 1) scene%interference = frame%step_time/loading%period
-         scene%newton%contact%early_share = scene%interference
+         call apply_overclosures(scene%newton%contact, model, scene%step, &
+            & scene%accepted%clock%time, frame%step_time, loading%period)
+         scene%interference = scene%newton%contact%early_share
          call refuse_torn_ties(scene, model, prescribed, error)
          if (allocated(error)) return
          if (run%plan%path == path_of%nonlinear) then

@@ -197,6 +197,8 @@ class Runner:
                 else:
                     return None
         except NotConvergedError:
+            if (last is None or last.clock.number <= 1) and not self.replay and may_fade(deck):
+                return self._part(self._faded(deck, number), number)
             if last is None or last.clock.number <= 1 or number > self.most \
                     or last.clock.at_end or self.replay:
                 raise
@@ -210,6 +212,19 @@ class Runner:
             self._path(number).with_suffix(".rst").unlink(missing_ok=True)
             return following
         return self._keep(number + 1, *found)
+
+    def _faded(self, deck: Deck, number: int) -> Deck:
+        """The deck of a part whose increment at rest does not converge, written anew: what its
+        mesh leaves out of balance is let go of over the increments that follow."""
+        start = deck["START"]
+        start.parameters["RELEASE"] = start.parameters["SEATING"]
+        lasts = float(start.parameters["RELEASE"])
+        self.say(f"part {number} does not come to rest at once: what its mesh leaves out of "
+                 f"balance fades over {lasts:.3g} of time")
+        self.report.sums[deck.name] = sum_of(deck.text())
+        self.report.write()
+        deck.write(self._path(number))
+        return deck
 
     def _bodies(self, deck: Deck, parts: DeckParts) -> list[Body]:
         """The bodies that are meshed anew, as the deck of a part has them; what their meshes began
@@ -238,7 +253,7 @@ class Runner:
         for body in bodies:
             now, made = last.beside(body), self.made[body.elset]
             why = reason_to_remesh(body, self.cards[body.elset], made.plastic, made.began, now,
-                                   tools, made.quality)
+                                   tools, made.quality, seating_of(deck))
             if why:
                 return self._remake(deck, number, now, tools, body.elset, why)
         return None
@@ -282,6 +297,16 @@ def plastic_at_start(deck: Deck) -> dict[int, float]:
             for row in block.data:
                 found[row[0]] = max(found.get(row[0], 0.0), float(row[10] or 0.0))
     return found
+
+
+def may_fade(deck: Deck) -> bool:
+    """Whether a part's mesh settles over a time, and what it leaves out of balance does not yet."""
+    return seating_of(deck) > 0.0 and "RELEASE" not in deck["START"].parameters
+
+
+def seating_of(deck: Deck) -> float:
+    """Time over which the mesh of a part is pressed out of the tools [time]."""
+    return float(deck["START"].parameters.get("SEATING", 0.0)) if "START" in deck else 0.0
 
 
 def _reached(now: Clock, end: Clock) -> bool:

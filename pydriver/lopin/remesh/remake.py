@@ -33,6 +33,9 @@ from .transfer import (
 
 #: Length of the increment at rest, by the period of the step.
 REST = 1e-8
+#: A new mesh settles over so many increments of the present length, and over no less than this
+#: share of the step: at once, nodes inside a tool would be pressed out elastically.
+SETTLES, LEAST = 5.0, 0.005
 #: Share of the faces that a support holds by which a new mesh may have other ones.
 LOST = 0.02
 
@@ -67,9 +70,10 @@ def remake(deck: Deck, last: Snapshot, tools: Tools, card: RemeshCard, why: str,
                   *integrals(last.points, states, weights, body.axisymmetric),
                   excess=max(float(o.max()) for o in over), unbalanced=unbalanced,
                   seconds=time.perf_counter() - began)
+    settles = settling(last, parts)
     start = [state_block(parts, body, mesh, states), *kept_block(tools.session, body),
              *traction_block(parts, body, mesh, last, origin),
-             start_block(body, last, parts)]
+             start_block(body, last, parts, 0.0, seating=settles)]
     return next_deck(parts, body, mesh, name, folder, start), done
 
 
@@ -168,12 +172,21 @@ def traction_block(parts: DeckParts, body: Body, mesh: NewMesh, last: Snapshot,
     return [Block("INITIAL CONDITIONS", {"TYPE": "TRACTION"}, rows)] if rows else []
 
 
-def start_block(body: Body, last: Snapshot, parts: DeckParts, release: float = 0.0) -> Block:
-    """*START: the clock, and what has moved; what is out of balance fades over `release`."""
+def settling(last: Snapshot, parts: DeckParts) -> float:
+    """Over which time a new mesh comes to balance and is pressed out of the tools [time]."""
+    clock = last.clock
+    return max(SETTLES*clock.increment, LEAST*_period(parts, clock.step))
+
+
+def start_block(body: Body, last: Snapshot, parts: DeckParts, release: float,
+                seating: float = 0.0) -> Block:
+    """*START: the clock, and what has moved; what is out of balance fades over `release`, and
+    nodes inside tools are pressed out over `seating` [time]."""
     clock = last.clock
     rest = REST*(_period(parts, clock.step) or max(clock.time, clock.increment))
     rows = [[int(r[0]), int(r[1]), *map(float, r[2:])] for r in last.moved(body)]
-    fades = {"RELEASE": release} if release > 0.0 else {}
+    fades = {key: value for key, value in (("RELEASE", release), ("SEATING", seating))
+             if value > 0.0}
     return Block("START", {"STEP": clock.step, "BEGUN": clock.begun, "TIME": clock.time,
                            "REST": rest, "INCREMENT": clock.increment, **fades}, rows)
 

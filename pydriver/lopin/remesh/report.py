@@ -121,8 +121,9 @@ class Report:
     sums: dict[str, str] = field(default_factory=dict)
 
     def add_part(self, name: str) -> None:
-        """A part runs."""
-        self.parts.append(name)
+        """A part runs; again, where its deck was written anew."""
+        if name not in self.parts:
+            self.parts.append(name)
 
     def add(self, remesh: Remesh) -> None:
         """A remesh was done: kept at once, for a run that is killed."""

@@ -19,7 +19,8 @@ REFINED = 2.0
 
 
 def reason_to_remesh(body: Body, card: RemeshCard, plastic: dict[int, float], began: Clock,
-                     now: Snapshot, tools: Tools, first_quality: float) -> str:
+                     now: Snapshot, tools: Tools, first_quality: float,
+                     settles: float = 0.0) -> str:
     """Why the mesh should be made anew, or nothing.
 
     Parameters
@@ -27,6 +28,7 @@ def reason_to_remesh(body: Body, card: RemeshCard, plastic: dict[int, float], be
     plastic : accumulated strain of each element where the part began
     began : where that was
     first_quality : worst corner of the mesh there
+    settles : time over which the mesh is pressed out of the tools [time]
     """
     if now.clock.number <= PATIENCE:
         return ""
@@ -35,7 +37,8 @@ def reason_to_remesh(body: Body, card: RemeshCard, plastic: dict[int, float], be
     bound = min(2.0*card.quality, 0.5*first_quality) if simplices else card.quality
     if worst < min(bound, 0.8*first_quality):
         return f"worst corner {worst:.3f} below {bound:.3f}"
-    deep = deepest(body, now, tools, REFINED*card.smallest)
+    passed = now.clock.total - began.total
+    deep = deepest(body, now, tools, REFINED*card.smallest) if passed >= settles else 0.0
     if deep > card.penetration:
         return f"an edge {deep:.3f} of its length inside a tool"
     own = np.isin(now.points.element, body.elements)
@@ -46,7 +49,6 @@ def reason_to_remesh(body: Body, card: RemeshCard, plastic: dict[int, float], be
     coarse = coarse_near_fracture(body, now, card)
     if coarse:
         return coarse
-    passed = now.clock.total - began.total
     if card.period and passed >= card.period*(1.0 - 1e-9):
         return f"time {passed:g} since the last mesh"
     return ""
