@@ -4,8 +4,10 @@ from math import atan2, degrees
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 import lopin
+from lopin.atlas.laws import LawMap
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]/"decks"/"make"))
 from bending import HALF, free_bending  # noqa: E402
@@ -33,3 +35,13 @@ def test_angles_beside_those_of_other_codes(sheet):
         for name, found, other in zip(("bent", "released"), pair, values):
             sheet.compare("E8 free bending", f"angle between the legs, {name} [degrees]", found,
                           other, 20.0, f"{source}, code to code", absolute=True)
+
+
+@pytest.mark.parametrize("share", [0, 1, 4])
+def test_friction_regularised_by_slip_takes_work_round_a_punch(share):
+    """Nodes turn with the sheet while they slide: what the law keeps of the slip lies in the tangent
+    plane of where they are. By the normals before, pressure seemed to work (E0555, E0504)."""
+    deck = LawMap().scene("air bend, CPE8R", share, LawMap.ticks[1].index("arctan"))[0].deck()
+    result = lopin.run(deck)
+    assert result.verdict == "PASS"
+    assert (np.diff(result.history["energy.friction"]) >= -1e-12).all()

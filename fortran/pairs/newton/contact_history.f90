@@ -18,7 +18,8 @@ module lopin_contact_history
    use lopin_initial_contact, only : measure_initial_contact
    use lopin_nonlinear_faces, only : find_inner_feet
    use lopin_touch_onset, only : start_approach
-   use lopin_slip_increment, only : anchor_slip, path_of, dissipated, mean_work_of, speed_of, turn
+   use lopin_slip_increment, only : anchor_slip, slip_from_anchor, path_of, dissipated, &
+      & mean_work_of, speed_of, turn
    implicit none
    private
    public :: start_increment, augment, leave_history
@@ -180,8 +181,7 @@ contains
             trial%normal(:, i) = t%normal
             k = place_of(self, i, accepted%closed)
             trial%slip(:, i) = accepted%slip(:, k) + t%slip
-            trial%creep(:, i) = anchor_slip(self%friction(self%pair(i)), self%enforcement(i)%creep &
-               & + t%slip)
+            trial%creep(:, i) = anchor_slip(self%friction(self%pair(i)), slip_from_anchor(self, i))
             trial%slip_path(i) = accepted%slip_path(k) + path_of(self, i)
             trial%speed(i) = speed_of(self, i)
             trial%friction_work(i) = accepted%friction_work(i) + dissipated(self, i)*self%weight(i)

@@ -10,8 +10,8 @@ module lopin_slip_increment
    use lopin_nonlinear_contact, only : nonlinear_contact_type
    implicit none
    private
-   public :: condition_at, anchor_slip, path_of, dissipated, mean_work_of, held_energy, &
-      & shear_bound, shear_excess, speed_of, lost_bound, turn
+   public :: condition_at, anchor_slip, slip_from_anchor, path_of, dissipated, mean_work_of
+   public :: held_energy, shear_bound, shear_excess, speed_of, lost_bound, turn
    public :: note_sliding, forget_sliding
 
    !> Share of the increment that rates of slip are at least taken over.
@@ -49,8 +49,9 @@ contains
          if (.not. has_friction(law)) return
          slip = t%slip
          if (is_regularised(law)) then
-            if (drag_limit(law) < huge(1.0_wp)) slip = g%creep + t%slip &
-               & - anchor_slip(law, g%creep + t%slip)
+            if (.not. drag_limit(law) < huge(1.0_wp)) return
+            slip = slip_from_anchor(self, i)
+            slip = slip - anchor_slip(law, slip)
             return
          end if
          slip = slip - elastic_slip_of(g, law, condition_at(self, i), self%pressure(i), &
@@ -60,6 +61,15 @@ contains
             & condition_at(self, i), self%pressure(i), along(g%committed, t%normal))
       end associate
    end function lost_slip
+
+   !> Slip from the stick anchor, as a law regularised by slip measures it: in the tangent plane of
+   !> the trial.
+   pure function slip_from_anchor(self, i) result(slip)
+      type(nonlinear_contact_type), intent(in) :: self
+      integer, intent(in) :: i
+      real(wp) :: slip(3)
+      slip = along(self%enforcement(i)%creep, self%trial(i)%normal) + self%trial(i)%slip
+   end function slip_from_anchor
 
    !> Slip from the stick anchor after the anchor has followed.
    pure function anchor_slip(law, slip) result(left)
@@ -129,8 +139,7 @@ contains
       slip = 0.0_wp
       associate (law => self%friction(self%pair(i)))
          if (.not. has_friction(law) .or. .not. is_regularised(law)) return
-         if (drag_limit(law) < huge(1.0_wp)) slip = anchor_slip(law, &
-            & self%enforcement(i)%creep + self%trial(i)%slip)
+         if (drag_limit(law) < huge(1.0_wp)) slip = anchor_slip(law, slip_from_anchor(self, i))
       end associate
    end function kept_slip
 
