@@ -504,7 +504,7 @@ def press():
         time.sleep(0.0002)
     if not ended.is_set():
         os.kill(os.getpid(), signal.SIGINT)
-for attempt in range(20):         # a busy machine may let the run end first
+for attempt in range(200):        # a busy machine may let the run end first
     ended.clear()
     presser = threading.Thread(target=press)
     presser.start()
