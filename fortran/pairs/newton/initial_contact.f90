@@ -15,6 +15,9 @@ module lopin_initial_contact
    private
    public :: measure_initial_contact, apply_overclosures
 
+   !> Gap of nodes inside a tool that bear nothing, where a part begins, in facets.
+   real(wp), parameter :: stand_off = 1.0e-6_wp
+
 contains
 
    !> The share of overclosures that an increment applies, and whether it applies any: an
@@ -35,7 +38,7 @@ contains
          self%closes_in = unseated(model%start, from, period) > 0.0_wp
       end if
       self%closes_in = self%closes_in .and. allocated(self%overclosure)
-      if (self%closes_in) self%closes_in = any(self%overclosure > 0.0_wp)
+      if (self%closes_in) self%closes_in = any(abs(self%overclosure) > 0.0_wp)
    end subroutine apply_overclosures
 
    !> Ties and walls as these displacements have them.
@@ -78,7 +81,7 @@ contains
       type(nonlinear_contact_type), intent(inout) :: self
       type(model_type), intent(in) :: model
       type(error_type), allocatable, intent(out) :: error
-      real(wp) :: traction(3, self%n), gap
+      real(wp) :: traction(3, self%n), gap, pressure
       integer :: i
 
       call find_closest_features(self, .true., .false., error)
@@ -94,8 +97,14 @@ contains
             if (opposite%facet == 0) cycle
             gap = opposite%found%gap
             if (master%tool > 0) gap = opposite%foot%gap
-            self%overclosure(i) = max(0.0_wp, -gap - law%method%penetration( &
-               & dot_product(traction(:, i), opposite%normal), self%slope(i)))
+            pressure = dot_product(traction(:, i), opposite%normal)
+            self%overclosure(i) = -gap - law%method%penetration(pressure, self%slope(i))
+            ! A penalty bears by what it is pressed in: there it is where the part begins.
+            if (.not. (law%method%solves_for_multiplier() .or. law%method%updates())) &
+               & self%overclosure(i) = self%overclosure(i) - pressure/self%slope(i)
+            ! What bears nothing is open, and stays so at rest.
+            if (.not. pressure > 0.0_wp) self%overclosure(i) = max(0.0_wp, self%overclosure(i) &
+               & + stand_off*self%size(i))
          end associate
       end do
 
