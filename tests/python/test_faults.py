@@ -498,6 +498,7 @@ def test_ctrl_c_ends_a_run_of_this_process(core, bench):
     handler is back."""
     code = """
 import lopin, os, pathlib, signal, sys, threading, time
+signal.signal(signal.SIGINT, signal.default_int_handler)   # a shell's background job ignores it
 ended = threading.Event()
 def press():
     while not pathlib.Path("ctrl", "job.rst").exists() and not ended.is_set():
