@@ -116,6 +116,7 @@ contains
       call self%jumps%keep(stream)
       call self%springback%keep(stream)
       call self%ripples%keep(stream)
+      call self%sag%keep(stream)
       call self%needless%keep(stream)
       call self%checksum%keep(stream)
    end subroutine pass_watch

@@ -11,6 +11,7 @@ module lopin_end_of_step
    use lopin_snap_through, only : report_snap_through
    use lopin_springback, only : report_springback
    use lopin_force_ripples, only : report_ripples
+   use lopin_facet_sag, only : report_sag
    use lopin_needless_order, only : measure_middles, tell_needless_order
    use lopin_check_drift, only : check_drift
    implicit none
@@ -35,6 +36,7 @@ contains
          call measure_middles(watch%needless, scene, model, frame%u)
          if (scene%step < size(model%step)) return
          call report_ripples(watch%ripples, scene, model)
+         call report_sag(watch%sag, scene, model)
          call tell_needless_order(watch%needless, scene, model)
          call check_drift(watch%drift, scene, model, frame%contact)
          call check_artificial_work(watch%artificial, scene, model, energy)

@@ -16,6 +16,7 @@ module lopin_leave_increment
    use lopin_snap_through, only : record_snap_through
    use lopin_springback, only : note_falls
    use lopin_force_ripples, only : note_ripples
+   use lopin_facet_sag, only : note_sag
    use lopin_contact_rows, only : joins_pair
    implicit none
    private
@@ -62,7 +63,10 @@ contains
       call note_most(frame%energy, scene%trial%loads%most)
       if (scene%newton%in_use) call note_energy(watch%balance, scene, frame%energy)
       call note_falls(watch%springback, frame%energy)
-      if (scene%newton%in_use) call note_ripples(watch%ripples, scene, model)
+      if (scene%newton%in_use) then
+         call note_ripples(watch%ripples, scene, model)
+         call note_sag(watch%sag, scene, model, frame%increment)
+      end if
       ! What is let go of gives its energy to nothing: that is no jump.
       if (scene%newton%jumped) call record_snap_through(watch%jumps, frame%increment, &
          & merge(0.0_wp, watch%balance%of(3)%lost, watch%balance%springs_back &

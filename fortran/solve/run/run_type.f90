@@ -13,6 +13,7 @@ module lopin_run_type
    use lopin_needless_order, only : needless_type
    use lopin_springback, only : springback_type
    use lopin_force_ripples, only : ripples_type
+   use lopin_facet_sag, only : sag_type
    implicit none
    private
    public :: run_type, watch_type
@@ -26,6 +27,7 @@ module lopin_run_type
       type(snap_through_type) :: jumps         !! to other equilibria
       type(springback_type) :: springback      !! work done in a release
       type(ripples_type) :: ripples            !! forces that rise and fall with the facets
+      type(sag_type) :: sag                    !! flat facets on curved tools
       type(needless_type) :: needless          !! second order that no step called for
       type(checksum_type) :: checksum          !! of the displacements of all nodes so far
    end type watch_type
