@@ -133,3 +133,45 @@ def test_chords_have_no_sense_of_turning(solve):
 def test_nodes_that_follow_chords_are_told(solve):
     result = solve(rings(1.0, -0.01, nlgeom=True))
     assert any("W0341" in w and "lean" in w for w in result.warnings)
+
+
+def crowned(word, slave, master, across=(1, 1), nlgeom=True):
+    """A crowned block of metal, the slave, pressed into one of metal by a tenth of its height; in
+    space between planes of symmetry."""
+    lines = Lines()
+    lines.add("*MATERIAL, NAME=M", "*ELASTIC", "210e3, .3", "*PLASTIC", "300., 0.", "600., 1.")
+    space = word.startswith("C3D")
+    up, wide = (3, (1.0,)) if space else (2, ())
+
+    def crown(x):
+        y = np.array(x, dtype=float)
+        y[:, -1] += (1.0 - x[:, -1])*(x[:, 0] - 1.0)**2/6.0
+        return y
+
+    lines.mesh(block((3.0, *wide, 1.0), (master, *across[1:][:space], 2),
+                     origin=(-0.5, *(0.0 for _ in wide), -1.0)), word, "B")
+    lines.mesh(block((2.0, *wide, 1.0), (slave, *across[:1][:space], 2)).mapped(crown), word, "T")
+    for name in "BT":
+        lines.add(f"*SOLID SECTION, ELSET={name}E, MATERIAL=M", "1.,")
+    lines.add("*SURFACE INTERACTION, NAME=C",
+              "*CONTACT PAIR, INTERACTION=C, TYPE=SURFACE TO SURFACE", "TSBOTTOM, BSTOP",
+              "*BOUNDARY", f"BBOTTOM, 1, {up}", "TTOP, 1", *(("BN, 2", "TN, 2") if space else ()),
+              f"*STEP, INC=100{', NLGEOM' if nlgeom else ''}", "*STATIC",
+              "*BOUNDARY", f"TTOP, {up}, {up}, -0.1", "*END STEP")
+    return Deck.parse("\n".join(lines.text) + "\n", name="crowned")
+
+
+@pytest.mark.parametrize("nlgeom", [False, True])
+@pytest.mark.parametrize("slave, master", [(4, 12), (6, 12), (5, 9)])
+def test_metal_that_is_dented_is_pressed_on(solve, slave, master, nlgeom):
+    """Forces act by means over facets. Where a dent makes the least gap fall as a node is pressed,
+    a row that held to that gap had no answer (E0510); the force does not hang on the width, nor on
+    cells across."""
+    forces = []
+    for word, across in [("CPE4", ()), ("C3D8", (1, 1)), ("C3D8", (1, 3)), ("C3D8", (2, 1)),
+                         ("C3D8", (3, 2))]:
+        result = solve(crowned(word, slave, master, across, nlgeom))
+        assert result.verdict in ("PASS", "WARN") and result.summary["steps"][0]["increments"] < 40
+        forces.append(np.asarray(result.history["TSBOTTOM-BSTOP.force2" if word == "CPE4" else
+                                                "TSBOTTOM-BSTOP.force3"])[-1])
+    assert np.abs(forces) == pytest.approx(abs(forces[0]), rel=0.01)

@@ -2,15 +2,17 @@
 !>
 !> Dual functions are negative over a part of their facets: where a master is convex within them,
 !> the weighted gap of a node lies below every gap that it weighs, by up to kappa h^2/12, and would
-!> press bodies that do not touch. The gap of a row is then that of the place where the facets of
-!> the node are nearest. Gaps linear on the slave facets are their own means and stay.
+!> press bodies that do not touch. The gap of a row is lifted then to that of the place where the
+!> facets of the node are nearest. The lift has no slopes: forces go by the means, and where a dent
+!> makes the least gap fall as its node is pressed, a row that held to it would have no answer. Gaps
+!> linear on the slave facets are their own means and stay.
 module lopin_mortar_least
    use lopin_kinds, only : wp
    use lopin_surface, only : surface_type
    use lopin_mortar_overlap, only : overlap_type, overlap_list_type
    implicit none
    private
-   public :: least_of_nodes, least_gap, is_above
+   public :: least_of_nodes, least_gap, is_above, lift_of_gap
 
    !> Of a facet: more is covered wholly; differences of gaps, in facets, that are rounding.
    real(wp), parameter :: whole = 1.0_wp - 1.0e-6_wp, rounding = 1.0e-9_wp
@@ -82,4 +84,11 @@ contains
       real(wp), intent(in) :: size             !! of the slave facet [length]
       is_above = gap > mean + rounding*size
    end function is_above
+
+   !> What a gap is above the mean of a row, if by more than rounding [length].
+   pure real(wp) function lift_of_gap(gap, mean, size) result(lift)
+      real(wp), intent(in) :: gap, mean        !! [length]
+      real(wp), intent(in) :: size             !! of the slave facet [length]
+      lift = merge(gap - mean, 0.0_wp, is_above(gap, mean, size))
+   end function lift_of_gap
 end module lopin_mortar_least

@@ -13,12 +13,11 @@ module lopin_mortar_node_2d
       & operator(/), assignment(=)
    use lopin_surface, only : surface_type
    use lopin_mortar_overlap, only : overlap_type, overlap_list_type
-   use lopin_mortar_least, only : least_gap, is_above
    use lopin_mortar_cells_2d, only : segment_type, integrate_segment, line_shape
    use lopin_mortar_dual_2d, only : transform, whole, dual_function
    implicit none
    private
-   public :: patch_type, basis_functions_type, new_patch, mortar_row_type, mortar_row, take_nearest
+   public :: patch_type, basis_functions_type, new_patch, mortar_row_type, mortar_row
 
    integer, parameter :: most_facets = 8
 
@@ -46,8 +45,7 @@ module lopin_mortar_node_2d
       integer, allocatable :: over(:)              !! the slave facet, in the chain
       integer, allocatable :: ncovered(:)          !! nodes of the master facet
       integer, allocatable :: cover(:, :)          !! (3, ncover) places of them
-      real(wp), allocatable :: nearest(:)          !! of each place, where the gap is that of the
-                                                   !! nearest place, not the mean
+      real(wp) :: lift = 0.0_wp                    !! of its gap above the mean [length]
       type(mortar_row_type) :: met                 !! its row by values, where it was met last
    end type patch_type
 
@@ -189,47 +187,8 @@ contains
             self%gap = self%gap + self%coefficient(i)*self%normal(k)*(x(k, i) - x(k, 1))
          end do
       end do
-      self%gap = self%gap/self%weight
-      if (allocated(patch%nearest)) self%gap = gap_of(self%normal, patch%nearest, x)
+      self%gap = self%gap/self%weight + constant(patch%lift)
    end subroutine mortar_row
-
-   !> From here on the gap of a row is that of one place of an overlap: lopin_mortar_least.
-   subroutine take_nearest(patch, row, overlap, slave, master, x)
-      type(patch_type), intent(inout) :: patch
-      type(mortar_row_type), intent(inout) :: row
-      type(overlap_type), intent(in) :: overlap
-      type(surface_type), intent(in) :: slave, master
-      real(wp), intent(in) :: x(:, :)              !! (2, all mesh nodes) [length]
-      integer :: k, at
-
-      if (.not. is_above(least_gap(overlap, slave, master, x, row%normal%v), row%gap%v, &
-         & slave%size(overlap%slave))) return
-      allocate (patch%nearest(size(patch%node)), source=0.0_wp)
-      do k = 1, slave%facets%nnode(overlap%slave)
-         at = findloc(patch%node, slave%facets%node(k, overlap%slave), 1)
-         patch%nearest(at) = patch%nearest(at) + overlap%least%n(k)
-      end do
-      do k = 1, master%facets%nnode(overlap%master)
-         at = findloc(patch%node, master%facets%node(k, overlap%master), 1)
-         patch%nearest(at) = patch%nearest(at) - overlap%least%m(k)
-      end do
-      row%gap = gap_of(row%normal, patch%nearest, constant(x(:2, patch%node)))
-   end subroutine take_nearest
-
-   !> n.(sum c x), about the first place; the sum of c is 0.
-   pure type(dual_type) function gap_of(normal, c, x) result(gap)
-      type(dual_type), intent(in) :: normal(2), x(:, :)
-      real(wp), intent(in) :: c(:)
-      integer :: i, k
-
-      gap = constant(0.0_wp)
-      do i = 2, size(x, 2)
-         if (.not. abs(c(i)) > 0.0_wp) cycle
-         do k = 1, 2
-            gap = gap + c(i)*normal(k)*(x(k, i) - x(k, 1))
-         end do
-      end do
-   end function gap_of
 
    !> By symmetry nothing is radial there.
    pure logical function is_on_axis(x, place)

@@ -11,14 +11,14 @@ module lopin_mortar_rows_3d
    use lopin_facets, only : facet_rule_type
    use lopin_surface, only : surface_type
    use lopin_mortar_overlap, only : overlap_type, overlap_list_type
-   use lopin_mortar_least, only : least_of_nodes, least_gap, is_above
+   use lopin_mortar_least, only : least_of_nodes, least_gap, lift_of_gap
    use lopin_mortar_cells_3d, only : mortar_kernel_type
    use lopin_mortar_cover, only : cover_type
    use lopin_mortar_row_3d, only : mortar_row_type, join, make_room, hand_row_over
    use lopin_mortar_facet_3d, only : facet_coupling_type, couple_facet
    implicit none
    private
-   public :: mortar_row_type, new_mortar_rows, close_rows, take_nearest
+   public :: mortar_row_type, new_mortar_rows, close_rows, find_lifts
 
 contains
 
@@ -69,58 +69,27 @@ contains
       end do
    end subroutine close_rows
 
-   !> The gap of a row is no less than the least over its facets; the place moves with the facets.
-   subroutine take_nearest(row, lifts, slave, master, x, list)
-      type(mortar_row_type), intent(inout) :: row(:)    !! (slave%nnode)
+   !> What the least gap over the facets of each node is above the mean of its row:
+   !> lopin_mortar_least.
+   subroutine find_lifts(lift, row, lifts, slave, master, x, list)
+      real(wp), intent(out) :: lift(:)                  !! (slave%nnode) >= 0 [length]
+      type(mortar_row_type), intent(in) :: row(:)       !! (slave%nnode) closed
       logical, intent(in) :: lifts(:)                   !! (slave%nnode) others keep their mean
       type(surface_type), intent(in) :: slave, master
       real(wp), intent(in) :: x(:, :)                   !! (3, all mesh nodes) [length]
       type(overlap_list_type), intent(in) :: list
       integer :: best(slave%nnode), j
-      real(wp) :: gap
 
+      lift = 0.0_wp
+      if (.not. any(lifts)) return
       call least_of_nodes(slave, list, best)
       do j = 1, size(row)
          if (best(j) == 0 .or. row(j)%node == 0 .or. .not. lifts(j)) cycle
          if (.not. row(j)%weight > 0.0_wp) cycle
-         associate (o => list%item(best(j)))
-            gap = least_gap(o, slave, master, x, row(j)%normal)
-            if (.not. is_above(gap, row(j)%gap, slave%size(o%slave))) cycle
-            row(j)%gap = gap
-            if (allocated(row(j)%gap_slope)) call slope_of_nearest(row(j), o, slave, master, x)
-         end associate
+         lift(j) = lift_of_gap(least_gap(list%item(best(j)), slave, master, x, row(j)%normal), &
+            & row(j)%gap, slave%size(list%item(best(j))%slave))
       end do
-   end subroutine take_nearest
-
-   subroutine slope_of_nearest(row, overlap, slave, master, x)
-      type(mortar_row_type), intent(inout) :: row
-      type(overlap_type), intent(in) :: overlap
-      type(surface_type), intent(in) :: slave, master
-      real(wp), intent(in) :: x(:, :)
-      real(wp) :: way(3)
-
-      way = 0.0_wp
-      row%gap_slope = 0.0_wp
-      associate (f => slave%facets, g => master%facets, s => overlap%slave, m => overlap%master)
-         call add(f%node(:f%nnode(s), s), overlap%least%n)
-         call add(g%node(:g%nnode(m), m), -overlap%least%m)
-      end associate
-      row%gap_slope = row%gap_slope + matmul(way, row%normal_slope)
-
-   contains
-
-      subroutine add(node, c)
-         integer, intent(in) :: node(:)
-         real(wp), intent(in) :: c(:)
-         integer :: k, i
-
-         do k = 1, size(node)
-            i = findloc(row%of, node(k), dim=1)
-            way = way + c(k)*(x(:, node(k)) - x(:, row%node))
-            row%gap_slope(3*i - 2:3*i) = row%gap_slope(3*i - 2:3*i) + c(k)*row%normal
-         end do
-      end subroutine add
-   end subroutine slope_of_nearest
+   end subroutine find_lifts
 
    !> The nodes of each row: all of its facets, and of the masters that those meet.
    subroutine reserve_rows(row, slave, master, list, with_slopes, before)

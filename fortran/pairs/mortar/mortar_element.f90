@@ -26,8 +26,8 @@ module lopin_mortar_element
    use lopin_mortar, only : plan_rows
    use lopin_mortar_cover, only : cover_type, new_cover, has_row, taken_over
    use lopin_mortar_node_2d, only : patch_type, basis_functions_type, new_patch, &
-      & mortar_row_type, mortar_row, take_nearest
-   use lopin_mortar_least, only : least_of_nodes
+      & mortar_row_type, mortar_row
+   use lopin_mortar_least, only : least_of_nodes, least_gap, lift_of_gap
    use lopin_nonlinear_points, only : stays_mortar
    use lopin_contact_row, only : row_type, point_state_type, point_law_type
    use lopin_row_element, only : begin_row, press_row, last_block, end_row
@@ -64,6 +64,7 @@ module lopin_mortar_element
       logical, allocatable :: lifts(:)         !! (slave%nnode) no gap is less than the least that
                                                !! it weighs
       integer, allocatable :: nearest(:)       !! (slave%nnode) overlap of that; plane
+      logical :: renews = .false.              !! what that adds is found anew at these places
       logical :: is_ready = .false.            !! ties keep their first rows
       type(space_mortar_type) :: space
    end type present_mortar_type
@@ -74,6 +75,7 @@ module lopin_mortar_element
       integer :: place = 0                     !! in space: number of the node on the slave
       integer, allocatable :: node(:)
       real(wp), allocatable :: coefficient(:)  !! [area]
+      real(wp) :: lift = 0.0_wp                !! of the gap above the mean of the row now; plane
       type(tie_type) :: tie
    end type mortar_anchor_type
 
@@ -171,8 +173,9 @@ contains
             & with_slopes)
          return
       end if
+      self%renews = start .or. with_slopes
       if (.not. allocated(self%nearest)) allocate (self%nearest(self%slave%nnode), source=0)
-      if (.not. any(self%lifts)) return
+      if (.not. (any(self%lifts) .and. self%renews)) return
       call least_of_nodes(self%slave, self%list, self%nearest)
       where (.not. self%lifts) self%nearest = 0
    end subroutine update_mortar
@@ -232,8 +235,9 @@ contains
             & self%cover%share)
          call mortar_row(row, patch, constant(masters%x(:2, patch%node)), self%axisymmetric, &
             & self%thickness(1))
-         if (self%nearest(k) > 0 .and. row%weight%v > 0.0_wp) call take_nearest(patch, row, &
-            & self%list%item(self%nearest(k)), self%slave, master, masters%x)
+         if (self%renews) anchor%lift = lift_of_row(master, row)
+         patch%lift = anchor%lift
+         row%gap = row%gap + constant(patch%lift)
          patch%met = row
          if (.not. row%weight%v > 0.0_wp) return
          opposite%facet = 1
@@ -246,6 +250,18 @@ contains
          anchor%node = patch%node
          anchor%coefficient = row%coefficient%v
       end subroutine take_plane_row
+
+      pure real(wp) function lift_of_row(master, row) result(lift)
+         type(surface_type), intent(in) :: master
+         type(mortar_row_type), intent(in) :: row
+
+         lift = 0.0_wp
+         if (self%nearest(k) == 0 .or. .not. row%weight%v > 0.0_wp) return
+         associate (o => self%list%item(self%nearest(k)))
+            lift = lift_of_gap(least_gap(o, self%slave, master, masters%x, row%normal%v), &
+               & row%gap%v, self%slave%size(o%slave))
+         end associate
+      end function lift_of_row
    end subroutine find_mortar_row
 
    !> Forces and exact tangent of one node, as evaluate_point of lopin_contact_element.

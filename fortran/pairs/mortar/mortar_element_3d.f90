@@ -11,7 +11,7 @@ module lopin_mortar_element_3d
    use lopin_mortar_cells_3d, only : mortar_kernel_type
    use lopin_mortar_cover, only : cover_type
    use lopin_mortar_rows_3d, only : mortar_row_type, new_mortar_rows, close_rows, &
-      & take_nearest
+      & find_lifts
    use lopin_mortar_traction_3d, only : slip_of_row, forces_of_row
    use lopin_contact_row, only : row_type, point_state_type, point_law_type, contact_status
    use lopin_row_element, only : press_row, set_spring
@@ -26,6 +26,7 @@ module lopin_mortar_element_3d
       type(mortar_row_type), allocatable :: row(:)      !! (slave nodes) now
       type(mortar_row_type), allocatable :: before(:)   !! (slave nodes) when the increment began
       logical, allocatable :: lifts(:) !! (slave%nnode) no gap is less than the least that it weighs
+      real(wp), allocatable :: lift(:) !! (slave%nnode) >= 0: what that adds [length]
    end type space_mortar_type
 
    !> Inputs of the law: gap, normal, slip, multiplier, growth of its bound.
@@ -58,7 +59,11 @@ contains
             if (self%before(j)%node == 0 .and. self%row(j)%node > 0) self%before(j) = self%row(j)
          end do
       end if
-      if (any(self%lifts)) call take_nearest(self%row, self%lifts, slave, master, x, list)
+      if (start .or. with_slopes .or. .not. allocated(self%lift)) then
+         if (.not. allocated(self%lift)) allocate (self%lift(slave%nnode))
+         call find_lifts(self%lift, self%row, self%lifts, slave, master, x, list)
+      end if
+      self%row%gap = self%row%gap + self%lift
    end subroutine update_space_mortar
 
    !> Forces and exact tangent of one node, as evaluate_point of lopin_contact_element.
