@@ -36,11 +36,13 @@ contains
       real(wp) :: norm, before, history(memory), norm_at(remembered)
       integer(int64) :: seen(remembered), hash
       integer :: pass, most, place, before_status(points%n)
+      integer :: still                         !! passes in which no state has changed
 
       solved = .false.
       most = least_iterations + points%n
       allocate (norms(most + 1))
       seen = 0_int64
+      still = 0
       history = -1.0_wp
       call form_equations(work%equations, self, points, x%force, x%gap)
       call scale_tangents(self, work)
@@ -53,6 +55,8 @@ contains
             solved = fits(self, points, work, x, exact)
             if (.not. solved .and. norm > 0.1_wp*before) &
                & solved = fits(self, points, work, x, accepted)
+            if (.not. solved .and. has_stopped(norms(:pass), still)) &
+               & solved = fits(self, points, work, x, stalled)
             if (allocated(work%equations%set)) solved = solved &
                & .and. all(work%equations%set .eqv. work%equations%natural)
             if (solved) exit
@@ -79,6 +83,7 @@ contains
          work%iterations = work%iterations + 1
          norms(pass + 1) = norm
          hash = hash_of(work%equations)
+         still = merge(still + 1, 0, hash == seen(1 + mod(pass - 1, remembered)))
          if (repeats(hash, norm, pass, seen, norm_at)) exit
          seen(1 + mod(pass, remembered)) = hash
          norm_at(1 + mod(pass, remembered)) = norm
@@ -87,6 +92,17 @@ contains
       work%norms = norms(:min(pass, most + 1))
       work%changing = pack([(place, place=1, points%n)], work%equations%status /= before_status)
    end subroutine newton
+
+   !> The same states two passes long, and the residual is where it was: what is left is rounding.
+   pure logical function has_stopped(norms, still)
+      real(wp), intent(in) :: norms(:)         !! of all passes so far [force]
+      integer, intent(in) :: still             !! passes in which no state has changed
+      integer :: n
+
+      n = size(norms)
+      has_stopped = .false.
+      if (still >= 2 .and. n > 2) has_stopped = norms(n) > 0.5_wp*norms(n - 2)
+   end function has_stopped
 
    !> The states came before, other than in the last pass, and the residual has not halved since.
    pure logical function repeats(hash, norm, pass, seen, norm_at)
