@@ -117,6 +117,7 @@ module lopin_state
       real(wp), allocatable :: released(:)     !! (ndof) of pairs the next step takes away; fading
       real(wp) :: work = 0.0_wp                !! of loads and prescribed displacements [energy]
       real(wp) :: most = 0.0_wp                !! largest energy that was about [energy]
+      real(wp) :: strain = 0.0_wp              !! elastic energy of the solids [energy]
       real(wp) :: pressed = 0.0_wp             !! largest force of a pair so far [force]
    contains
       procedure :: pass => pass_loads
@@ -320,6 +321,7 @@ contains
       call stream%pass(self%released)
       call stream%pass(self%work)
       call stream%pass(self%most)
+      call stream%pass(self%strain)
       call stream%pass(self%pressed)
    end subroutine pass_loads
 

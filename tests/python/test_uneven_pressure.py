@@ -175,8 +175,10 @@ def test_facets_that_match_stay_at_the_nodes(solve, tmp_path):
     assert "N0347" not in run(free(deck), tmp_path)
 
 
-def test_check_chooses_and_a_run_goes_on_to_the_same_bits(tmp_path):
-    path = free(pressed("CPE4", 7, 4, 1.0)).write(tmp_path/"free.inp")
+@pytest.mark.parametrize("step", ["*STEP", "*STEP, NLGEOM"])
+def test_check_chooses_and_a_run_goes_on_to_the_same_bits(tmp_path, step):
+    text = free(pressed("CPE4", 7, 4, 1.0)).text().replace("*STEP", step, 1)
+    path = Deck.parse(text.replace("1., 1., 1e-06, 1.", "0.3, 1., 1e-06, 0.3"), "free").write(tmp_path/"free.inp")
     done = subprocess.run([find_executable(), "check", path], capture_output=True, text=True,
                           check=False)
     assert done.returncode == 0 and "N0347" in done.stdout + done.stderr

@@ -61,6 +61,7 @@ contains
       watch%artificial%lost = lost_work(frame%energy)
       scene%trial%loads%most = scene%accepted%loads%most
       call note_most(frame%energy, scene%trial%loads%most)
+      scene%trial%loads%strain = frame%energy%strain
       if (scene%newton%in_use) call note_energy(watch%balance, scene, frame%energy)
       call note_falls(watch%springback, frame%energy)
       if (scene%newton%in_use) then
