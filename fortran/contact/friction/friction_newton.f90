@@ -101,7 +101,7 @@ contains
 
       n = size(norms)
       has_stopped = .false.
-      if (still >= 2 .and. n > 2) has_stopped = norms(n) > 0.5_wp*norms(n - 2)
+      if (still >= 2) has_stopped = norms(n) > 0.5_wp*norms(n - 2)
    end function has_stopped
 
    !> The states came before, other than in the last pass, and the residual has not halved since.

@@ -20,7 +20,7 @@ module lopin_mortar
    use lopin_surface, only : surface_type
    use lopin_facet_sides, only : facet_sides
    use lopin_mortar_overlap, only : overlap_type, overlap_list_type, area_measure_type
-   use lopin_mortar_least, only : least_of_nodes, least_gap, is_above
+   use lopin_mortar_least, only : least_of_nodes, lift_of_row
    use lopin_mortar_cover, only : cover_type, plan_cover, has_row
    implicit none
    private
@@ -366,17 +366,14 @@ contains
       type(overlap_list_type), intent(in) :: list
       type(cover_type), intent(in) :: cover
       integer :: best(slave%nnode), i
-      real(wp) :: gap
 
       allocate (self%above(self%n), source=0.0_wp)
       if (cover%tied) return
       call least_of_nodes(slave, list, best)
       do i = 1, self%n
          if (best(self%place(i)) == 0) cycle
-         associate (o => list%item(best(self%place(i))))
-            gap = least_gap(o, slave, master, x, self%normal(:, i))
-            if (is_above(gap, self%gap(i), slave%size(o%slave))) self%above(i) = gap - self%gap(i)
-         end associate
+         self%above(i) = lift_of_row(list%item(best(self%place(i))), slave, master, x, &
+            & self%normal(:, i), self%gap(i))
       end do
    end subroutine find_above
 

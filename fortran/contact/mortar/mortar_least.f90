@@ -12,7 +12,7 @@ module lopin_mortar_least
    use lopin_mortar_overlap, only : overlap_type, overlap_list_type
    implicit none
    private
-   public :: least_of_nodes, least_gap, is_above, lift_of_gap
+   public :: least_of_nodes, lift_of_row
 
    !> Of a facet: more is covered wholly; differences of gaps, in facets, that are rounding.
    real(wp), parameter :: whole = 1.0_wp - 1.0e-6_wp, rounding = 1.0e-9_wp
@@ -85,10 +85,17 @@ contains
       is_above = gap > mean + rounding*size
    end function is_above
 
-   !> What a gap is above the mean of a row, if by more than rounding [length].
-   pure real(wp) function lift_of_gap(gap, mean, size) result(lift)
-      real(wp), intent(in) :: gap, mean        !! [length]
-      real(wp), intent(in) :: size             !! of the slave facet [length]
-      lift = merge(gap - mean, 0.0_wp, is_above(gap, mean, size))
-   end function lift_of_gap
+   !> What the gap where an overlap is nearest is above the mean of a row, >= 0 [length].
+   pure real(wp) function lift_of_row(overlap, slave, master, x, normal, mean) result(lift)
+      type(overlap_type), intent(in) :: overlap
+      type(surface_type), intent(in) :: slave, master
+      real(wp), intent(in) :: x(:, :)          !! (ndim, all mesh nodes) [length]
+      real(wp), intent(in) :: normal(:)        !! of the row, out of the master
+      real(wp), intent(in) :: mean             !! gap of the row [length]
+      real(wp) :: gap
+
+      gap = least_gap(overlap, slave, master, x, normal)
+      lift = 0.0_wp
+      if (is_above(gap, mean, slave%size(overlap%slave))) lift = gap - mean
+   end function lift_of_row
 end module lopin_mortar_least

@@ -11,7 +11,7 @@ module lopin_mortar_rows_3d
    use lopin_facets, only : facet_rule_type
    use lopin_surface, only : surface_type
    use lopin_mortar_overlap, only : overlap_type, overlap_list_type
-   use lopin_mortar_least, only : least_of_nodes, least_gap, lift_of_gap
+   use lopin_mortar_least, only : least_of_nodes, lift_of_row
    use lopin_mortar_cells_3d, only : mortar_kernel_type
    use lopin_mortar_cover, only : cover_type
    use lopin_mortar_row_3d, only : mortar_row_type, join, make_room, hand_row_over
@@ -86,8 +86,7 @@ contains
       do j = 1, size(row)
          if (best(j) == 0 .or. row(j)%node == 0 .or. .not. lifts(j)) cycle
          if (.not. row(j)%weight > 0.0_wp) cycle
-         lift(j) = lift_of_gap(least_gap(list%item(best(j)), slave, master, x, row(j)%normal), &
-            & row(j)%gap, slave%size(list%item(best(j))%slave))
+         lift(j) = lift_of_row(list%item(best(j)), slave, master, x, row(j)%normal, row(j)%gap)
       end do
    end subroutine find_lifts
 

@@ -27,7 +27,7 @@ module lopin_mortar_element
    use lopin_mortar_cover, only : cover_type, new_cover, has_row, taken_over
    use lopin_mortar_node_2d, only : patch_type, basis_functions_type, new_patch, &
       & mortar_row_type, mortar_row
-   use lopin_mortar_least, only : least_of_nodes, least_gap, lift_of_gap
+   use lopin_mortar_least, only : least_of_nodes, lift_of_row
    use lopin_nonlinear_points, only : stays_mortar
    use lopin_contact_row, only : row_type, point_state_type, point_law_type
    use lopin_row_element, only : begin_row, press_row, last_block, end_row
@@ -235,7 +235,12 @@ contains
             & self%cover%share)
          call mortar_row(row, patch, constant(masters%x(:2, patch%node)), self%axisymmetric, &
             & self%thickness(1))
-         if (self%renews) anchor%lift = lift_of_row(master, row)
+         if (self%renews) then
+            anchor%lift = 0.0_wp
+            if (self%nearest(k) > 0 .and. row%weight%v > 0.0_wp) anchor%lift &
+               & = lift_of_row(self%list%item(self%nearest(k)), self%slave, master, masters%x, &
+               & row%normal%v, row%gap%v)
+         end if
          patch%lift = anchor%lift
          row%gap = row%gap + constant(patch%lift)
          patch%met = row
@@ -250,18 +255,6 @@ contains
          anchor%node = patch%node
          anchor%coefficient = row%coefficient%v
       end subroutine take_plane_row
-
-      pure real(wp) function lift_of_row(master, row) result(lift)
-         type(surface_type), intent(in) :: master
-         type(mortar_row_type), intent(in) :: row
-
-         lift = 0.0_wp
-         if (self%nearest(k) == 0 .or. .not. row%weight%v > 0.0_wp) return
-         associate (o => self%list%item(self%nearest(k)))
-            lift = lift_of_gap(least_gap(o, self%slave, master, masters%x, row%normal%v), &
-               & row%gap%v, self%slave%size(o%slave))
-         end associate
-      end function lift_of_row
    end subroutine find_mortar_row
 
    !> Forces and exact tangent of one node, as evaluate_point of lopin_contact_element.

@@ -16,7 +16,7 @@ module lopin_facet_sag
    use lopin_scene, only : scene_type
    implicit none
    private
-   public :: sag_type, note_sag, report_sag, sag_of_chord
+   public :: sag_type, note_sag, report_sag
 
    !> Parts of the largest driving force that are told, and warned of.
    real(wp), parameter :: some = 0.02_wp, much = 0.05_wp

@@ -1,7 +1,7 @@
 !> Pairs whose deck does not say how they are enforced, at the nodes or surface to surface.
 !>
 !> At the nodes is what a pair is that says nothing. Where facets do not match it is carried out
-!> surface to surface: pressures and forces are right then, at .9 to 1.6 times the time
+!> surface to surface: pressures and forces are right then, at .4 to 1.9 times the time
 !> (docs/which-method.md). Parts of a run with new meshes stay at the nodes, one like the other.
 module lopin_settle_formulation
    use lopin_error, only : error_type, log_type, severity

@@ -192,14 +192,18 @@ class FormingMap:
         return any(panel.startswith(name) for name in self.released)
 
     def _reference(self, key: tuple) -> Formed | None:
-        for way in self.reference_ways:
+        for way in self.ways_of(key):
             scene, body, steps = self.reference(key, way)
             found = formed(scene, body, steps)
             if not found.code:
                 return found
         return None
 
-    #: How a reference is tried: method and increments.
+    def ways_of(self, key: tuple) -> tuple:
+        """How a reference is tried: methods and increments."""
+        return self.reference_ways
+
+    #: The same, of maps whose scenes are alike in it.
     reference_ways: tuple = (("lagrange", FINE), ("penalty", FINE), ("lagrange", (0.005, 0.005)),
                              ("lagrange", ()))
 

@@ -6,7 +6,7 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from .formed import Formed, FormingMap
+from .formed import FormingMap
 from .forming_scenes import Built, air_bend, billet, cavity
 from .scenes import PLAIN, Frame
 
@@ -69,9 +69,9 @@ class LawMap(FormingMap):
         """Each cell has its own."""
         return panel, round(x), round(y)
 
-    def _reference(self, key: tuple) -> Formed | None:
-        self.reference_ways = self.bent if self.is_released(key[0]) else FormingMap.reference_ways
-        return super()._reference(key)
+    def ways_of(self, key: tuple) -> tuple:
+        """Of bends in air by short increments."""
+        return self.bent if self.is_released(key[0]) else self.reference_ways
 
     def reference(self, key: tuple, way: tuple) -> Built:
         """The scene of a reference."""

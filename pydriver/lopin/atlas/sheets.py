@@ -5,7 +5,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .forming_scenes import Built, air_bend, flanged
-from .formed import Formed, FormingMap
+from .formed import FormingMap
 from .scenes import PLAIN, Frame
 
 #: Thickness over the radius of the tools (5), and the largest increment; none: as the code has it.
@@ -44,9 +44,9 @@ class SheetMap(FormingMap):
         """All increments have one reference."""
         return panel, round(x)
 
-    def _reference(self, key: tuple) -> Formed | None:
-        self.reference_ways = self.ways[key[0].partition(",")[0]]
-        return super()._reference(key)
+    def ways_of(self, key: tuple) -> tuple:
+        """Of the scene."""
+        return self.ways[key[0].partition(",")[0]]
 
     def reference(self, key: tuple, way: tuple) -> Built:
         """The scene of a reference."""
