@@ -66,12 +66,13 @@ contains
 
       converged = .false.
       if (any(abs(remaining) > 0.0_wp)) return
+      ! Friction of forces that have all but gone is beyond its bound long before rows are rounding.
+      if (.not. evaluation%contact_residual <= certified) return
       converged = unchanged .and. evaluation%unbalanced <= 0.0_wp .and. evaluation%unmet <= 0.0_wp
       if (converged) return
       reference = reference_of(scene, evaluation)
       converged = evaluation%unbalanced <= equilibrium*reference &
-         & .and. evaluation%unmet <= complementarity*reference .and. evaluation%contact_residual &
-         & <= certified
+         & .and. evaluation%unmet <= complementarity*reference
       if (converged) converged = last <= correction .or. iteration == 1 .and. loop == 0 &
          & .or. max(largest(evaluation%unlevel), largest(evaluation%row)) <= &
          & floor_of_rounding*reference
