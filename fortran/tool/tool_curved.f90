@@ -194,7 +194,9 @@ contains
       end do
    end subroutine find_regions
 
-   !> Facets beyond kept edges, and those of one curved surface that look elsewhere.
+   !> Facets beyond kept edges, and those of one curved surface that look elsewhere, or that a
+   !> concave crease parts from the facet of the foot: where a crease ends, normals turn towards each
+   !> other, and by one side's normal the other may look the same way.
    pure logical function is_other_curved(self, f, foot) result(is_other)
       class(curved_tool_type), intent(in) :: self
       integer, intent(in) :: f
@@ -202,6 +204,8 @@ contains
 
       is_other = self%region(f) /= self%region(foot%segment)
       if (.not. is_other) is_other = dot_product(self%mesh%normal(:, f), foot%normal) <= sharp
+      if (.not. is_other) is_other = any(self%hollow(:, f) .and. self%mesh%neighbour(:, f) &
+         & == foot%segment)
    end function is_other_curved
 
    !> By walls first: numbers of facets say little.

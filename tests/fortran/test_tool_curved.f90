@@ -5,6 +5,7 @@ program test_tool_curved
    use lopin_error, only : error_type
    use lopin_facet_mesh, only : facet_flaws_type
    use lopin_tool, only : tool_type, foot_type
+   use lopin_tool_curved, only : curved_tool_type
    use lopin_tool_factory, only : new_tool_from_facets
    use check, only : test, close_to, is_true, finish
    use facet_scenes, only : sphere_facets, box_facets, torus_facets, torus_radii, strips, &
@@ -21,6 +22,7 @@ program test_tool_curved
    call a_valley_holds_by_both_walls()
    call so_does_a_valley_that_ends()
    call what_lies_on_a_rough_surface_is_behind_no_wall_of_it()
+   call a_crease_has_two_walls_from_both_of_its_sides()
    call walls_beside_a_fillet_of_two_chords_stay_flat()
    call wide_facets_of_a_cylinder_are_curved_too()
    call finish()
@@ -285,6 +287,49 @@ contains
       call is_true('many are in corners', twice > 1000)
       call is_true('behind none', deepest > -1.0e-6_wp)
    end subroutine what_lies_on_a_rough_surface_is_behind_no_wall_of_it
+
+   !> Normals are means about the corners: where a crease ends, those on its sides turn towards each
+   !> other, and the facet of one side may look as the other does where they meet.
+   subroutine a_crease_has_two_walls_from_both_of_its_sides()
+      class(tool_type), allocatable :: tool
+      type(foot_type) :: feet(2)
+      integer, parameter :: n = 20
+      real(wp) :: corner(3, 3, 2*(n - 1)**2), p(3, n, n), noise(3), x(3)
+      integer :: i, j, f, k, g, number, asked, found(2), side
+
+      call test('a concave crease has two walls from both of its sides')
+      do i = 1, n
+         do j = 1, n
+            call random_number(noise)
+            p(:, j, i) = [real(i, wp), real(j, wp), 0.0_wp] + [0.4_wp, 0.4_wp, 0.7_wp]*noise
+         end do
+      end do
+      call strips(p, corner)
+      call new_open(tool, corner)
+      asked = 0
+      found = 0
+      select type (tool)
+      type is (curved_tool_type)
+         do f = 1, tool%mesh%nfacet
+            do k = 1, 3
+               g = tool%mesh%neighbour(k, f)
+               if (g == 0 .or. .not. tool%hollow(k, f)) cycle
+               asked = asked + 1
+               associate (v => tool%mesh%vertex(:, f), to => 1 + mod(k, 3))
+                  x = 0.5_wp*(tool%mesh%x(:, v(k)) + tool%mesh%x(:, v(to)))
+               end associate
+               do side = 1, 2
+                  call tool%project_all(x + (side - 1.5_wp)*1.0e-5_wp*(tool%mesh%normal(:, g) &
+                     & - tool%mesh%normal(:, f)), 0.5_wp, feet, number)
+                  if (number == 2) found(side) = found(side) + 1
+               end do
+            end do
+         end do
+      end select
+      call is_true('many creases', asked > 100)
+      call is_true('two walls from one side', found(1) == asked)
+      call is_true('and from the other', found(2) == asked)
+   end subroutine a_crease_has_two_walls_from_both_of_its_sides
 
    !> Facets of 20 degrees between two of 5, and of 7 beside 2: no fillet begins at the narrow ones,
    !> which turn no more from one to the next than at the wide one.

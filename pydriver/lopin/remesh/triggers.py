@@ -16,6 +16,9 @@ PATIENCE = 3
 #: Edges from which on a new mesh halves how deep their middles are, by the smallest size: depth
 #: goes by the square of the length, and a new edge is up to sqrt(2) sizes long.
 REFINED = 2.0
+#: The next increment, beside those of the part so far and beside the way of the step so far, from
+#: which on a run has come to a standstill.
+STALLED, CREEPS = 1.0/8.0, 1.0/4000.0
 
 
 def reason_to_remesh(body: Body, card: RemeshCard, plastic: dict[int, float], began: Clock,
@@ -51,6 +54,11 @@ def reason_to_remesh(body: Body, card: RemeshCard, plastic: dict[int, float], be
         return coarse
     if card.period and passed >= card.period*(1.0 - 1e-9):
         return f"time {passed:g} since the last mesh"
+    usual = passed/now.clock.number
+    if now.clock.increment < STALLED*usual:
+        return f"increments of {now.clock.increment:.2g} where {usual:.2g} was usual on this mesh"
+    if now.clock.increment < CREEPS*now.clock.time:
+        return f"increments of {now.clock.increment:.2g} at the time {now.clock.time:.3g}"
     return ""
 
 
