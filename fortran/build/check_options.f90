@@ -99,6 +99,13 @@ contains
       integer :: i
 
       associate (p => model%pair(pair), master => model%surface(model%pair(pair)%master))
+         if (master%kind == surface_of%tool .and. model%mesh%ndim == 2) then
+            if (.not. any(model%step%nlgeom)) call idle(model, p%at, 'SMOOTH', 'facets of a '// &
+               & 'slave are curved where contact is followed on the present shape', &
+               & 'NLGEOM on *STEP')
+            if (any(model%step%nlgeom)) call check_curved_slave(model, pair)
+            return
+         end if
          if (master%kind == surface_of%tool) then
             call idle(model, p%at, 'SMOOTH', 'the master is a tool, which has its own shape', &
                & 'leave it out; FILLET RADIUS on *SURFACE rounds the corners of a profile, '// &
@@ -122,6 +129,27 @@ contains
             & 'each other, meet at more than 30 degrees, or are of second order', 'leave it out')
       end associate
    end subroutine check_smooth
+
+   !> Opposite a profile the facets of the slave are curved, linear ones.
+   subroutine check_curved_slave(model, pair)
+      type(model_type), intent(inout) :: model
+      integer, intent(in) :: pair
+      type(cell_type), allocatable :: cells(:)
+      type(facets_type) :: facets
+      logical, allocatable :: linear(:)
+
+      associate (p => model%pair(pair), slave => model%surface(model%pair(pair)%slave))
+         linear = [logical ::]
+         if (slave%kind == surface_of%faces) then
+            call cells_of_words(model%element_word, cells)
+            call new_facets(facets, model%mesh, cells, slave%element, slave%face)
+            linear = facets%nnode(:facets%n) == 2
+         end if
+         if (.not. any(linear)) call idle(model, p%at, 'SMOOTH', 'opposite a profile the '// &
+            & 'linear facets of the slave are curved, and '//slave%name//' has none', &
+            & 'leave it out')
+      end associate
+   end subroutine check_curved_slave
 
    !> Tolerances of a method that no pair has.
    subroutine check_augmented(model, block)

@@ -46,7 +46,9 @@ contains
       call flag(table, 'NO THICKNESS', 'Shell thickness does not count; accepted.')
       call ignored_flag(table, 'HCRIT', 'Distance of an old search.')
       call choice(table, 'SMOOTH', 'YES,NO', 'NO', 'YES: linear facets of the master are '// &
-         & 'curved by averaged normals, joints up to 30 degrees; where contact is at the nodes.')
+         & 'curved by averaged normals, joints up to 30 degrees; where contact is at the '// &
+         & 'nodes. Opposite a profile (TYPE=SEGMENTS in the plane) those of the slave are '// &
+         & 'curved, under NLGEOM: forces of sheets that roll on radii wave half as much.')
       call bare_value(table, 'YES')
       call ignored_flag(table, 'MECHANICAL CONSTRAINT', 'Choice of Abaqus/Explicit.')
       call ignored_flag(table, 'SUPPLEMENTARY CONSTRAINTS', 'Points that Abaqus adds.')

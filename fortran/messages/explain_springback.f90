@@ -67,7 +67,8 @@ contains
          & 'half as long facets over radii; means over the travel of a facet.')
       call add_explanation(list, 'W0561', 'the force of a tool rises and falls with the facets', &
          & 'As N0561, but by more than a twentieth of the largest force of the tool.', &
-         & 'half as long facets over radii; means over the travel of a facet.')
+         & 'half as long facets over radii; in the plane SMOOTH=YES on *CONTACT PAIR (linear '// &
+         & 'facets); means over the travel of a facet.')
       call add_explanation(list, 'N0562', 'a force rises within the sag of facets', &
          & 'Between its nodes a facet is flat, and off the curved tool that they lie on by the '// &
          & 'sag of its chord, h^2/8R. By so much it is unknown where the tool bears. What the '// &

@@ -195,7 +195,7 @@ contains
    end subroutine find_regions
 
    !> Facets beyond kept edges, and those of one curved surface that look elsewhere, or that a
-   !> concave crease parts from the facet of the foot: where a crease ends, normals turn towards each
+   !> concave crease parts from that of the foot: where a crease ends, normals turn towards each
    !> other, and by one side's normal the other may look the same way.
    pure logical function is_other_curved(self, f, foot) result(is_other)
       class(curved_tool_type), intent(in) :: self

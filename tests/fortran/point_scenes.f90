@@ -26,6 +26,7 @@ module point_scenes
    use lopin_facet_hysteresis, only : new_facet_hysteresis
    use lopin_closest_feature, only : opposite_type, anchor_type, find_opposite, anchor_of
    use lopin_nonlinear_samples, only : find_sample_feet, offset_of
+   use lopin_nonlinear_faces, only : find_inner_feet
    use lopin_master_surfaces, only : masters_type, move_masters
    use lopin_contact_element, only : evaluate_point
    use lopin_tool_point, only : evaluate_tool_point
@@ -51,6 +52,7 @@ module point_scenes
       logical :: is_tool = .false.
       logical :: is_smooth = .false.
       logical :: is_middle = .false.           !! a mid-side node: its row samples three places
+      logical :: rolls = .false.               !! its two facets stand for a curve
       type(model_type) :: model
       type(dofs_type) :: dofs
       type(masters_type) :: masters
@@ -103,11 +105,12 @@ contains
       if (grip_names(kind) == 'lagrange') enforcement%shear_slope = 0.0_wp
    end subroutine set_method
 
-   subroutine new_point_scene(self, name, kind, middle)
+   subroutine new_point_scene(self, name, kind, middle, rolls)
       type(point_scene_type), intent(out) :: self
       character(len=*), intent(in) :: name
       integer, intent(in) :: kind              !! of grip_names
       logical, intent(in), optional :: middle  !! opposite a tool: a mid-side node
+      logical, intent(in), optional :: rolls   !! opposite a profile: between curved facets
       type(law_type) :: law
       integer :: cell, i
 
@@ -133,7 +136,8 @@ contains
       end if
       if (present(middle)) self%is_middle = middle
       self%points%node = [1]
-      if (self%is_middle) call add_ends(self)
+      if (present(rolls)) self%rolls = rolls
+      if (self%is_middle .or. self%rolls) call add_ends(self)
       self%points%n = size(self%points%node)
       associate (n => self%points%n)
          allocate (self%masters%side(3, n), source=0.0_wp)
@@ -150,6 +154,20 @@ contains
       if (self%is_middle) then
          self%points%share(1) = 0.2_wp
          self%points%corner(:, 1) = [2, 3]
+      end if
+      if (self%rolls) then
+         self%points%weight = 0.26_wp
+         allocate (self%points%face(2))
+         self%points%face%pair = 1
+         self%points%face%cell = 1
+         self%points%face%nnode = 2
+         self%points%face%curved = .true.
+         self%points%face(1)%node(:2) = [4, 1]
+         self%points%face(1)%point(:2) = [3, 1]
+         self%points%face(1)%beside = [0, 3]
+         self%points%face(2)%node(:2) = [1, 3]
+         self%points%face(2)%point(:2) = [1, 2]
+         self%points%face(2)%beside = [4, 0]
       end if
       self%enforcement%c = 100.0_wp
       self%enforcement%ct = 40.0_wp
@@ -389,7 +407,9 @@ contains
       do i = 1, self%points%n
          call find_opposite(opposite(i), self%masters, self%model, self%points, i, cost)
       end do
-      call find_sample_feet(opposite, self%points, 1)
+      if (.not. self%rolls) call find_sample_feet(opposite, self%points, 1)
+      if (self%rolls) call find_inner_feet(opposite, self%masters, self%points, self%model, &
+         & self%model%mesh%x)
       self%opposite = opposite(1)
    end subroutine place_all
 

@@ -19,6 +19,7 @@ program test_contact_point
    call random_seed(put=[(4711*i, i=1, n)])
    call tangents()
    call tangents_of_mid_side_nodes()
+   call tangents_of_what_rolls()
    call perturbed_is_penalty()
    call no_coefficient()
    call sticks_between_two_ways()
@@ -102,6 +103,27 @@ contains
          end do
       end do
    end subroutine tangents_of_mid_side_nodes
+
+   !> Nodes between facets that stand for a curve, on round profiles.
+   subroutine tangents_of_what_rolls()
+      type(point_scene_type) :: scene
+      character(len=*), parameter :: tools(2) = [character(len=7) :: 'circle', 'profile']
+      integer :: tool, kind, law
+
+      do kind = 1, size(grip_names)
+         do tool = 1, size(tools)
+            do law = 0, merge(0, size(law_names), kind == tied_grip)
+               call new_point_scene(scene, trim(tools(tool)), kind, rolls=.true.)
+               scene%friction = law_with(law, 1)
+               if (law == 0) scene%friction%law = law_of%none
+               if (law > 0) call let_grow(scene)
+               call one_tangent(scene, 'rolls, '//trim(grip_names(kind))//' on '// &
+                  & trim(tools(tool))//', law '//achar(48 + law), 1)
+               call is_true('by its curve', scene%opposite%inner%soft > 0.0_wp)
+            end do
+         end do
+      end do
+   end subroutine tangents_of_what_rolls
 
    !> Fourth-order differences; a draw near a kink is drawn again.
    subroutine one_tangent(scene, name, draw)
@@ -188,7 +210,8 @@ contains
       call close_to('forces', total/scale, 0.0_wp*total, 1.0e-12_wp)
       ! Of a smoothed facet the nodes carry what acts on the curve; places of a row have gaps and
       ! normals of their own unless the tool is plane.
-      if (.not. scene%is_smooth .and. (.not. scene%is_middle .or. index(name, 'plane') > 0)) &
+      if (.not. (scene%is_smooth .or. scene%rolls) .and. (.not. scene%is_middle .or. &
+         & index(name, 'plane') > 0)) &
          & call close_to('moments', moment/scale, arm/scale, 1.0e-12_wp)
       call on_the_joint(scene, name, place_of)
    end subroutine one_tangent

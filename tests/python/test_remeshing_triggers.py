@@ -9,7 +9,7 @@ from lopin.remesh.part import Clock
 from lopin.remesh.triggers import CREEPS, PATIENCE, STALLED, reason_to_remesh
 
 
-def why(number, passed, following, before=0.25):
+def why(number, passed, following, before=0.25, first=0.0):
     """The reason on four squares that nothing has worn, `passed` after their part began."""
     x, y = (c.ravel() for c in np.meshgrid([0.0, 1.0, 2.0], [0.0, 1.0, 2.0]))
     body = SimpleNamespace(cells=[np.array([[0, 1, 4, 3], [1, 2, 5, 4], [3, 4, 7, 6], [4, 5, 8, 7]])], ndim=2,
@@ -17,7 +17,7 @@ def why(number, passed, following, before=0.25):
     now = SimpleNamespace(x=np.stack([x, y], axis=1), points=SimpleNamespace(element=np.arange(1, 5), plastic=np.zeros(4)),
                           clock=Clock(1, 0.0, before + passed, following, False, number))
     tools = SimpleNamespace(feet_of_facets=lambda *unused: [])
-    return reason_to_remesh(body, RemeshCard("ALL", smallest=0.1), {}, Clock(1, 0.0, before, 0.01, False, 0), now, tools, 1.0)
+    return reason_to_remesh(body, RemeshCard("ALL", smallest=0.1), {}, Clock(1, 0.0, before, first, False, 0), now, tools, 1.0)
 
 
 @pytest.mark.parametrize("unit", [1.0, 1e-3, 1e3])
@@ -33,3 +33,8 @@ def test_increments_that_are_small_from_the_start_of_a_part(unit):
     """A next increment of less than a 4000th of the way so far."""
     assert why(10, 1e-5*unit, 0.99*CREEPS*unit, unit).startswith("increments of")
     assert not why(10, 1e-5*unit, 1.01*CREEPS*unit, unit)
+
+
+def test_increments_that_grow_again_go_on():
+    assert why(10, 1e-5, 0.9*CREEPS, 1.0, 0.91*CREEPS)
+    assert not why(10, 1e-5, 0.9*CREEPS, 1.0, 0.89*CREEPS)

@@ -21,6 +21,7 @@ module lopin_face_points
       real(wp), allocatable :: slope(:, :, :)  !! (ndim - 1, nnode, n) dN/dxi
       real(wp), allocatable :: part(:, :)      !! (nnode, n) w psi; summed over points the weight
       real(wp), allocatable :: weight(:)       !! (nnode) integral of N, transformed [area]
+      real(wp), allocatable :: area(:)         !! (n) w [area]
       real(wp), allocatable :: x(:, :)         !! (3, n) [length]
       real(wp), allocatable :: normal(:, :)    !! (3, n) unit, out of the facet
    end type face_points_type
@@ -67,6 +68,7 @@ contains
             me(:, k) = me(:, k) + w(q)*blended(k, q)*blended(:, q)
          end do
       end do
+      self%area = w(:self%n)
       self%weight = matmul(blended(:, :self%n), w(:self%n))
       call dual_matrix(me, self%weight, a)
       do q = 1, self%n

@@ -43,6 +43,7 @@ module lopin_closest_feature
    !> planes have one direction each: of all points on planes, sum c N n of every node is enough.
    type :: inner_row_type
       real(wp) :: c = 0.0_wp                       !! their part of the row
+      real(wp) :: soft = 0.0_wp   !! of the soft least gap, all points `bent`; 0: the mean [length]
       integer, allocatable :: node(:)              !! of these facets, the point's own first
       real(wp) :: gap = 0.0_wp                     !! of points on planes: sum of c gap [length]
       real(wp), allocatable :: normal(:, :)        !! (3, nodes) sum of c N n, in the tool's frame

@@ -30,6 +30,8 @@ module lopin_contact_points
       integer :: point(8) = 0             !! first points of its nodes
       real(wp) :: share = 0.0_wp          !! of mid-side functions that each corner gets
       real(wp) :: thickness = 1.0_wp      !! [length]
+      logical :: curved = .false.         !! stands for a curve, lopin_curved_slave
+      integer :: beside(2) = 0            !! nodes that the curve goes on to; 0: straight on
    end type face_type
 
    !> Places of the row of a point that meets a crease within its facets.

@@ -20,6 +20,7 @@ module lopin_face_rows
    use lopin_contact_points, only : contact_points_type, face_type, inner_type, sample_type, &
       & facing, pair_is_tied
    use lopin_row_samples, only : base_samples
+   use lopin_curved_slave, only : curves_slave, join_facets
    implicit none
    private
    public :: list_faces, find_inner, points_of_face, feet_on_crease
@@ -44,7 +45,8 @@ contains
       integer :: i
 
       if (.not. allocated(self%face)) allocate (self%face(0))
-      if (.not. model%tool(self%tool(pair))%shape%has_creases()) return
+      if (.not. (model%tool(self%tool(pair))%shape%has_creases() &
+         & .or. curves_slave(model, model%pair(pair)))) return
       if (pair_is_tied(model, model%pair(pair)) .or. .not. allocated(slave%facets%cell)) return
       do i = 1, slave%facets%n
          face%pair = pair
@@ -57,6 +59,7 @@ contains
          face%thickness = slave%thickness(i)
          self%face = [self%face, face]
       end do
+      if (curves_slave(model, model%pair(pair))) call join_facets(self%face, model, pair)
    end subroutine list_faces
 
    !> The rows of a pair that have points inside faces, its tool standing as `motion` says.

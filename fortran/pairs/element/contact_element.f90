@@ -11,7 +11,8 @@ module lopin_contact_element
       & tool_motion, turned, turned_back
    use lopin_nonlinear_points, only : growth_type
    use lopin_contact_inputs, only : point_view_type, inputs_type, list_inputs
-   use lopin_tool_samples, only : place_type, find_foot, mean_place, place_inner, place_planes
+   use lopin_tool_samples, only : place_type, find_foot, mean_place, place_inner, place_planes, &
+      & soft_least
    implicit none
    private
    public :: evaluate_point
@@ -30,6 +31,7 @@ contains
       type(dual_type) :: z(3), shares(point%opposite%nnode), reference(3), arm(3)
       type(place_type) :: there(3)
       type(place_type), allocatable :: inner(:), around(:)
+      type(dual_type), allocatable :: bears(:)  !! what `inner` have of the row's pressure
       real(wp) :: weight                       !! [area]
       integer :: columns, d, places, pair
 
@@ -195,15 +197,22 @@ contains
          integer :: m
 
          if (.not. allocated(around)) allocate (around(size(point%opposite%inner%node)), &
-            & inner(size(point%opposite%inner%bent)))
+            & inner(size(point%opposite%inner%bent)), bears(size(point%opposite%inner%bent)))
          base = gap
          associate (points_inside => point%opposite%inner)
             call place_planes(around, gap, points_inside, inputs, point%masters%x, rotation, &
                & reference, from)
             do m = 1, size(inner)
                call place_inner(inner(m), points_inside%bent(m), around, rotation, reference, start)
-               gap = gap + inner(m)%c*inner(m)%gap
             end do
+            if (points_inside%soft > 0.0_wp) then
+               call soft_least(inner, points_inside, gap, bears)
+            else
+               do m = 1, size(inner)
+                  bears(m) = constant(inner(m)%c)
+                  gap = gap + inner(m)%c*inner(m)%gap
+               end do
+            end if
             gap = gap + (1.0_wp - points_inside%c)*base
          end associate
       end subroutine add_inner
@@ -281,7 +290,7 @@ contains
             end do
          end do
          do m = 1, size(inner)
-            own = (inner(m)%c*press)*inner(m)%normal
+            own = (bears(m)*press)*inner(m)%normal
             call hold(inner(m), own, reference)
             associate (s => point%opposite%inner%bent(m))
                do j = 1, s%nnode

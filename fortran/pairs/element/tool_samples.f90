@@ -1,14 +1,14 @@
 !> The places that the row of a contact point samples on a tool, and their feet, by dual numbers.
 module lopin_tool_samples
    use lopin_kinds, only : wp
-   use lopin_dual, only : dual_type, variable, constant, dual_dot, operator(+), operator(-), &
-      & operator(*), assignment(=)
+   use lopin_dual, only : dual_type, variable, constant, dual_dot, exp, log, operator(+), &
+      & operator(-), operator(*), operator(/), assignment(=)
    use lopin_contact_foot, only : tool_foot, turned, turned_back
    use lopin_closest_feature, only : sample_foot_type, inner_foot_type, inner_row_type
    use lopin_contact_inputs, only : inputs_type
    implicit none
    private
-   public :: place_type, find_foot, mean_place, place_inner, place_planes
+   public :: place_type, find_foot, mean_place, place_inner, place_planes, soft_least
 
    !> A place that a row samples.
    type :: place_type
@@ -84,6 +84,28 @@ contains
       call tool_foot(foot%foot, y, self%gap, normal)
       self%normal = turned(rotation, normal)
    end subroutine place_inner
+
+   !> The soft least gap of points inside facets, and the shares by which they bear.
+   pure subroutine soft_least(inner, row, gap, share)
+      type(place_type), intent(in) :: inner(:)
+      type(inner_row_type), intent(in) :: row
+      type(dual_type), intent(out) :: gap            !! their part of the row's
+      type(dual_type), intent(out) :: share(:)
+      type(dual_type) :: total
+      real(wp) :: least
+      integer :: m
+
+      least = minval([(inner(m)%gap%v, m=1, size(inner))])
+      total = constant(0.0_wp)
+      do m = 1, size(inner)
+         share(m) = (inner(m)%c/row%c)*exp((inner(m)%gap - least)*(-1.0_wp/row%soft))
+         total = total + share(m)
+      end do
+      do m = 1, size(inner)
+         share(m) = row%c*share(m)/total
+      end do
+      gap = row%c*(least - row%soft*log(total))
+   end subroutine soft_least
 
    !> Gap of a row from those of its places, and the way of its mean place added to its point's.
    pure subroutine mean_place(there, gap, way)

@@ -9,6 +9,7 @@ module lopin_nonlinear_faces
    use lopin_contact_points, only : face_type
    use lopin_face_points, only : face_points_type, place_points
    use lopin_face_rows, only : points_of_face, feet_on_crease
+   use lopin_curved_slave, only : curve_points, soft_length
    use lopin_nonlinear_points, only : nonlinear_points_type
    use lopin_closest_feature, only : opposite_type, inner_row_type, inner_foot_type
    use lopin_master_surfaces, only : masters_type
@@ -42,15 +43,46 @@ contains
             n = f%nnode
             call points_of_face(inside, f, model, x)
             call place_points(inside, masters%x(:, f%node(:n)), stretch(:inside%n))
+            if (f%curved) then
+               call add_curve(opposite, masters, points, model, f, inside)
+               cycle
+            end if
             do k = 1, n
                normal(:, k) = opposite(f%point(k))%normal
             end do
             if (feet_on_crease(model%tool(m%tool)%shape, m%motion, m%limits%extension &
                & *maxval(points%size(f%point(:n))), normal(:, :n), opposite(f%point(:n))%facet, &
-               & inside, foot)) call add_points(opposite, points, f, inside, foot)
+               & inside, foot)) call add_points(opposite, points, f, n, inside, foot)
          end associate
       end do
    end subroutine find_inner_feet
+
+   !> The points of a facet that is curved, where it lies opposite a curve of its tool.
+   subroutine add_curve(opposite, masters, points, model, face, inside)
+      type(opposite_type), intent(inout) :: opposite(:)
+      type(masters_type), intent(in) :: masters
+      type(nonlinear_points_type), intent(in) :: points
+      type(model_type), intent(in) :: model
+      type(face_type), intent(in) :: face
+      type(face_points_type), intent(inout) :: inside
+      type(face_type) :: curve
+      type(foot_type) :: foot(inside%n)
+      logical :: bends
+      integer :: q
+
+      associate (m => masters%of(face%pair), at => face%point(:2))
+         call curve_points(inside, face, model%mesh%x, masters%x, curve)
+         bends = .false.
+         do q = 1, inside%n
+            call model%tool(m%tool)%shape%project(m%motion%to_tool(inside%x(:2, q)), foot(q))
+            if (.not. foot(q)%found) return
+            if (foot(q)%overhang > m%limits%extension*maxval(points%size(at))) return
+            bends = bends .or. any(abs(foot(q)%hessian(:2, :2)) > 0.0_wp)
+         end do
+         if (.not. bends) return
+         call add_points(opposite, points, curve, 2, inside, foot, soft_length)
+      end associate
+   end subroutine add_curve
 
    !> All nodes of a facet meet the tool, each one side of it, and some node is near.
    pure logical function is_met(opposite, points, face)
@@ -75,15 +107,17 @@ contains
    end function is_met
 
    !> The points of one facet to the rows of its nodes.
-   subroutine add_points(opposite, points, face, inside, foot)
+   subroutine add_points(opposite, points, face, nrow, inside, foot, soft)
       type(opposite_type), intent(inout) :: opposite(:)
       type(nonlinear_points_type), intent(in) :: points
       type(face_type), intent(in) :: face
+      integer, intent(in) :: nrow              !! the first nodes, whose rows have the points
       type(face_points_type), intent(in) :: inside
       type(foot_type), intent(in) :: foot(:)
+      real(wp), intent(in), optional :: soft   !! of the soft least gap, beside a facet [-]
       integer :: at(8), k, q
 
-      do k = 1, face%nnode
+      do k = 1, nrow
          associate (own => opposite(face%point(k)), node => face%node(:face%nnode), &
             & part => inside%part(k, :inside%n)/points%weight(face%point(k)))
             if (.not. allocated(own%inner)) then
@@ -94,6 +128,7 @@ contains
             end if
             call find_nodes(own%inner, node, at(:face%nnode))
             own%inner%c = own%inner%c + sum(part)
+            if (present(soft)) own%inner%soft = soft*points%size(face%point(k))
             do q = 1, inside%n
                call add_point(own%inner, part(q), inside%shape(:, q), at(:face%nnode), foot(q))
             end do
@@ -130,7 +165,7 @@ contains
       type(inner_foot_type) :: bent
       integer :: j
 
-      if (foot%leans .or. any(abs(foot%hessian) > 0.0_wp)) then
+      if (foot%leans .or. row%soft > 0.0_wp .or. any(abs(foot%hessian) > 0.0_wp)) then
          bent%c = c
          bent%nnode = size(at)
          bent%at(:size(at)) = at
@@ -153,7 +188,19 @@ contains
       gap = base
       if (.not. allocated(opposite%inner)) return
       associate (row => opposite%inner)
-         gap = (1.0_wp - row%c)*gap + row%gap + dot_product(row%bent%c, row%bent%foot%gap)
+         gap = (1.0_wp - row%c)*gap + row%gap
+         if (row%soft > 0.0_wp) then
+            gap = gap + row%c*soft_least(row%bent%c/row%c, row%bent%foot%gap, row%soft)
+         else
+            gap = gap + dot_product(row%bent%c, row%bent%foot%gap)
+         end if
       end associate
    end function start_gap_of
+
+   !> The soft least of gaps by shares whose sum is one.
+   pure real(wp) function soft_least(share, gap, soft) result(least)
+      real(wp), intent(in) :: share(:), gap(:), soft
+      least = minval(gap)
+      least = least - soft*log(dot_product(share, exp((least - gap)/soft)))
+   end function soft_least
 end module lopin_nonlinear_faces

@@ -165,7 +165,8 @@ contains
       integer, intent(in) :: pair
 
       has_flat_facets = contact%skin(pair)%in_use .and. .not. contact%mortar(pair)%is_on
-      if (has_flat_facets) has_flat_facets = .not. any(contact%face%pair == pair)
+      if (has_flat_facets) has_flat_facets = .not. any(contact%face%pair == pair .and. .not. &
+         & contact%face%curved)
    end function has_flat_facets
 
    !> The pressed point of each mesh node in a pair: 0: none, or two walls of a corner.

@@ -217,12 +217,22 @@ contains
                & 'press one by one, and the force is known no better'
             if (tool%wave > much*tool%largest) then
                call warn_once(scene%log, 'W0561', text, body%at, help='half as long facets '// &
-                  & 'where the slave passes the radii of the tools; means over the travel of '// &
-                  & 'a facet are better than single values')
+                  & 'where the slave passes the radii of the tools'//rolls(model)//'; means '// &
+                  & 'over the travel of a facet are better than single values')
             else
                call note_once(scene%log, 'N0561', text, body%at)
             end if
          end associate
       end do
    end subroutine report_ripples
+
+   !> What else helps in the plane, where no pair has it.
+   pure function rolls(model) result(text)
+      type(model_type), intent(in) :: model
+      character(len=:), allocatable :: text
+
+      text = ''
+      if (model%mesh%ndim == 2 .and. .not. any(model%pair%smooth)) text = ', or SMOOTH=YES on '// &
+         & '*CONTACT PAIR'
+   end function rolls
 end module lopin_force_ripples

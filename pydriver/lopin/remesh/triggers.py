@@ -57,7 +57,8 @@ def reason_to_remesh(body: Body, card: RemeshCard, plastic: dict[int, float], be
     usual = passed/now.clock.number
     if now.clock.increment < STALLED*usual:
         return f"increments of {now.clock.increment:.2g} where {usual:.2g} was usual on this mesh"
-    if now.clock.increment < CREEPS*now.clock.time:
+    grows = 0.0 < began.increment < now.clock.increment
+    if now.clock.increment < CREEPS*now.clock.time and not grows:
         return f"increments of {now.clock.increment:.2g} at the time {now.clock.time:.3g}"
     return ""
 
