@@ -399,8 +399,10 @@ contains
       type(error_type), allocatable :: error
       type(cost_type) :: cost
       type(opposite_type) :: opposite(self%points%n)
+      logical :: met(2)
       integer :: i
 
+      met = .false.
       self%masters%x = self%model%mesh%x
       call move_masters(self%masters, self%model, self%dofs, self%points, u, .false., cost, &
          & error)
@@ -409,7 +411,7 @@ contains
       end do
       if (.not. self%rolls) call find_sample_feet(opposite, self%points, 1)
       if (self%rolls) call find_inner_feet(opposite, self%masters, self%points, self%model, &
-         & self%model%mesh%x)
+         & self%model%mesh%x, met)
       self%opposite = opposite(1)
    end subroutine place_all
 

@@ -23,7 +23,7 @@ module lopin_face_rows
    use lopin_curved_slave, only : curves_slave, join_facets
    implicit none
    private
-   public :: list_faces, find_inner, points_of_face, feet_on_crease
+   public :: list_faces, find_inner, points_of_face, find_feet
 
    !> Points of a facet in each direction: of lines and second-order surfaces, of other surfaces.
    integer, parameter :: parts_of_line = 8, parts_of_face = 4
@@ -71,6 +71,7 @@ contains
       type(face_points_type) :: inside
       type(foot_type), allocatable :: foot(:)
       integer :: i, q
+      logical :: found, meets
 
       if (.not. any(self%face%pair == pair)) return
       call make_room(self)
@@ -83,9 +84,10 @@ contains
          if (.not. is_open_to(self, self%face(i))) cycle
          associate (f => self%face(i), at => self%face(i)%point(:self%face(i)%nnode))
             call points_of_face(inside, f, model, model%mesh%x)
-            if (.not. feet_on_crease(model%tool(self%tool(pair))%shape, motion, &
+            call find_feet(model%tool(self%tool(pair))%shape, motion, &
                & model%pair(pair)%extension*maxval(self%size(at)), self%normal(:, at), &
-               & self%facet(at), inside, foot)) cycle
+               & self%facet(at), inside, .false., foot, found, meets)
+            if (.not. meets) cycle
             do q = 1, inside%n
                call move_foot(motion, model%mesh%ndim, foot(q))
             end do
@@ -139,28 +141,31 @@ contains
          & is_ring(model, model%pair(face%pair)%slave), face%thickness, face%share)
    end subroutine points_of_face
 
-   !> Whether a facet meets a crease of one piece of its tool, and the feet of its points then, in
-   !> the tool's frame.
-   logical function feet_on_crease(tool, motion, reach, normal, segment, inside, foot) result(meets)
+   !> The feet of the points of a facet, in the tool's frame, and whether it meets a crease of one
+   !> piece of its tool.
+   subroutine find_feet(tool, motion, reach, normal, segment, inside, wanted, foot, found, meets)
       class(tool_type), intent(in) :: tool
       type(rigid_motion_type), intent(in) :: motion
       real(wp), intent(in) :: reach            !! how far beyond the end of the tool counts [length]
       real(wp), intent(in) :: normal(:, :)     !! (3, nnode) of the tool opposite the nodes
       integer, intent(in) :: segment(:)        !! (nnode) of the tool there
       type(face_points_type), intent(in) :: inside
+      logical, intent(in) :: wanted            !! whether it meets a crease or not
       type(foot_type), allocatable, intent(out) :: foot(:)
+      logical, intent(out) :: found            !! all of them
+      logical, intent(out) :: meets            !! found, and looking the same way across a crease
       real(wp) :: side(3), first(3), cosine
       integer :: q, d
 
-      meets = .false.
+      found = .false.
       d = tool%ndim
       allocate (foot(inside%n))
       first = normal(:, 1)
-      do q = 1, size(segment)
-         if (dot_product(normal(:, q), first) < one_piece) return
-      end do
+      meets = all([(dot_product(normal(:, q), first) >= one_piece, q=1, size(segment))])
       do q = 1, inside%n
+         if (.not. (meets .or. wanted)) return
          call tool%project(motion%to_tool(inside%x(:d, q)), foot(q))
+         if (.not. foot(q)%found .or. foot(q)%overhang > reach) meets = .false.
          if (.not. foot(q)%found .or. foot(q)%overhang > reach) return
          side = 0.0_wp
          side(:d) = matmul(transpose(motion%rotation(:d, :d)), inside%normal(:d, q))
@@ -170,16 +175,14 @@ contains
             foot(q)%normal = -side
             foot(q)%hessian = 0.0_wp
          end if
-         if (cosine > facing) return
-         if (dot_product(motion%turn(foot(q)%normal(:d)), first(:d)) < one_piece) return
+         meets = meets .and. .not. cosine > facing
+         meets = meets .and. .not. dot_product(motion%turn(foot(q)%normal(:d)), first(:d)) &
+            & < one_piece
       end do
-      do q = 1, inside%n
-         meets = meets .or. tool%is_creased(segment(1), foot(q)%segment)
-      end do
-      do q = 2, size(segment)
-         meets = meets .or. tool%is_creased(segment(1), segment(q))
-      end do
-   end function feet_on_crease
+      found = .true.
+      if (meets) meets = any([(tool%is_creased(segment(1), foot(q)%segment), q=1, inside%n), &
+         & (tool%is_creased(segment(1), segment(q)), q=2, size(segment))])
+   end subroutine find_feet
 
    !> Points of one facet to the rows of its nodes; the row without them keeps what is left of the
    !> area.

@@ -248,8 +248,10 @@ contains
       call find_growth(self, model)
       if (size(self%face) > 0) then
          if (.not. allocated(self%start_x)) self%start_x = self%masters%x
+         if (.not. allocated(self%face_met)) allocate (self%face_met(size(self%face)), &
+            & source=.false.)
          call find_inner_feet(self%opposite, self%masters, self%nonlinear_points_type, model, &
-            & self%start_x)
+            & self%start_x, self%face_met)
       end if
    end subroutine detect_all
 

@@ -8,7 +8,7 @@ module lopin_nonlinear_faces
    use lopin_model, only : model_type
    use lopin_contact_points, only : face_type
    use lopin_face_points, only : face_points_type, place_points
-   use lopin_face_rows, only : points_of_face, feet_on_crease
+   use lopin_face_rows, only : points_of_face, find_feet
    use lopin_curved_slave, only : curve_points, soft_length
    use lopin_nonlinear_points, only : nonlinear_points_type
    use lopin_closest_feature, only : opposite_type, inner_row_type, inner_foot_type
@@ -23,88 +23,96 @@ module lopin_nonlinear_faces
 contains
 
    !> The points inside facets that the rows of all points have now.
-   subroutine find_inner_feet(opposite, masters, points, model, x)
+   !>
+   !> A facet that has met a crease, or a curve, has them to the end of the increment: on curved
+   !> tools a row with them differs by sags from one without, and Newton runs in a cycle where a
+   !> facet that grazes a crease has them and has them not.
+   subroutine find_inner_feet(opposite, masters, points, model, x, met)
       type(opposite_type), intent(inout) :: opposite(:)
       type(masters_type), intent(in) :: masters
       type(nonlinear_points_type), intent(in) :: points
       type(model_type), intent(in) :: model
       real(wp), intent(in) :: x(:, :)          !! (ndim, nnode) where the increment began [length]
+      logical, intent(inout) :: met(:)         !! (facets) since the increment began
       type(face_points_type) :: inside
       type(foot_type), allocatable :: foot(:)
       real(wp) :: normal(3, 8), stretch(64)
       integer :: i, k, n
+      logical :: found, meets
 
       do i = 1, size(opposite)
          if (allocated(opposite(i)%inner)) deallocate (opposite(i)%inner)
       end do
       do i = 1, size(points%face)
          associate (f => points%face(i), m => masters%of(points%face(i)%pair))
-            if (.not. is_met(opposite, points, f)) cycle
+            if (.not. (met(i) .or. is_near(opposite, points, f))) cycle
+            if (any(opposite(f%point(:f%nnode))%facet == 0)) cycle
             n = f%nnode
             call points_of_face(inside, f, model, x)
             call place_points(inside, masters%x(:, f%node(:n)), stretch(:inside%n))
             if (f%curved) then
-               call add_curve(opposite, masters, points, model, f, inside)
+               call add_curve(opposite, masters, points, model, f, inside, met(i))
                cycle
             end if
             do k = 1, n
                normal(:, k) = opposite(f%point(k))%normal
             end do
-            if (feet_on_crease(model%tool(m%tool)%shape, m%motion, m%limits%extension &
+            call find_feet(model%tool(m%tool)%shape, m%motion, m%limits%extension &
                & *maxval(points%size(f%point(:n))), normal(:, :n), opposite(f%point(:n))%facet, &
-               & inside, foot)) call add_points(opposite, points, f, n, inside, foot)
+               & inside, met(i), foot, found, meets)
+            if (.not. found) cycle
+            met(i) = met(i) .or. meets
+            if (met(i)) call add_points(opposite, points, f, n, inside, foot)
          end associate
       end do
    end subroutine find_inner_feet
 
    !> The points of a facet that is curved, where it lies opposite a curve of its tool.
-   subroutine add_curve(opposite, masters, points, model, face, inside)
+   subroutine add_curve(opposite, masters, points, model, face, inside, met)
       type(opposite_type), intent(inout) :: opposite(:)
       type(masters_type), intent(in) :: masters
       type(nonlinear_points_type), intent(in) :: points
       type(model_type), intent(in) :: model
       type(face_type), intent(in) :: face
       type(face_points_type), intent(inout) :: inside
+      logical, intent(inout) :: met            !! a curve since the increment began
       type(face_type) :: curve
       type(foot_type) :: foot(inside%n)
-      logical :: bends
       integer :: q
 
       associate (m => masters%of(face%pair), at => face%point(:2))
          call curve_points(inside, face, model%mesh%x, masters%x, curve)
-         bends = .false.
          do q = 1, inside%n
             call model%tool(m%tool)%shape%project(m%motion%to_tool(inside%x(:2, q)), foot(q))
             if (.not. foot(q)%found) return
             if (foot(q)%overhang > m%limits%extension*maxval(points%size(at))) return
-            bends = bends .or. any(abs(foot(q)%hessian(:2, :2)) > 0.0_wp)
+            met = met .or. any(abs(foot(q)%hessian(:2, :2)) > 0.0_wp)
          end do
-         if (.not. bends) return
-         call add_points(opposite, points, curve, 2, inside, foot, soft_length)
+         if (met) call add_points(opposite, points, curve, 2, inside, foot, soft_length)
       end associate
    end subroutine add_curve
 
    !> All nodes of a facet meet the tool, each one side of it, and some node is near.
-   pure logical function is_met(opposite, points, face)
+   pure logical function is_near(opposite, points, face)
       type(opposite_type), intent(in) :: opposite(:)
       type(nonlinear_points_type), intent(in) :: points
       type(face_type), intent(in) :: face
       integer :: k
 
-      is_met = .false.
+      is_near = .false.
       do k = 1, face%nnode
          associate (i => face%point(k))
             if (opposite(i)%facet == 0) return
-            is_met = is_met .or. opposite(i)%foot%gap <= near*points%size(i)
+            is_near = is_near .or. opposite(i)%foot%gap <= near*points%size(i)
          end associate
       end do
       do k = 1, face%nnode
          if (face%point(k) == points%n) cycle
          associate (i => face%point(k) + 1)
-            if (points%entry(i) == 2 .and. opposite(i)%facet > 0) is_met = .false.
+            if (points%entry(i) == 2 .and. opposite(i)%facet > 0) is_near = .false.
          end associate
       end do
-   end function is_met
+   end function is_near
 
    !> The points of one facet to the rows of its nodes.
    subroutine add_points(opposite, points, face, nrow, inside, foot, soft)
