@@ -23,7 +23,7 @@ module lopin_face_rows
    use lopin_curved_slave, only : curves_slave, join_facets
    implicit none
    private
-   public :: list_faces, find_inner, points_of_face, find_feet
+   public :: list_faces, find_inner, points_of_face, face_feet_type, find_feet
 
    !> Points of a facet in each direction: of lines and second-order surfaces, of other surfaces.
    integer, parameter :: parts_of_line = 8, parts_of_face = 4
@@ -31,6 +31,13 @@ module lopin_face_rows
    real(wp), parameter :: one_piece = 0.866025403784439_wp
    !> Facets whose nodes are all farther away, in facets, are not looked at.
    real(wp), parameter :: near = 1.0_wp
+
+   !> The feet of the points of a facet, in the tool's frame.
+   type :: face_feet_type
+      type(foot_type), allocatable :: foot(:)
+      logical :: found = .false.               !! all of them
+      logical :: meets = .false.   !! they look the same way, and a crease is between them
+   end type face_feet_type
 
 contains
 
@@ -69,9 +76,8 @@ contains
       integer, intent(in) :: pair
       type(rigid_motion_type), intent(in) :: motion
       type(face_points_type) :: inside
-      type(foot_type), allocatable :: foot(:)
+      type(face_feet_type) :: feet
       integer :: i, q
-      logical :: found, meets
 
       if (.not. any(self%face%pair == pair)) return
       call make_room(self)
@@ -86,12 +92,12 @@ contains
             call points_of_face(inside, f, model, model%mesh%x)
             call find_feet(model%tool(self%tool(pair))%shape, motion, &
                & model%pair(pair)%extension*maxval(self%size(at)), self%normal(:, at), &
-               & self%facet(at), inside, .false., foot, found, meets)
-            if (.not. meets) cycle
+               & self%facet(at), inside, .false., feet)
+            if (.not. feet%meets) cycle
             do q = 1, inside%n
-               call move_foot(motion, model%mesh%ndim, foot(q))
+               call move_foot(motion, model%mesh%ndim, feet%foot(q))
             end do
-            call add_points(self, model, f, inside, foot)
+            call add_points(self, model, f, inside, feet%foot)
          end associate
       end do
    end subroutine find_inner
@@ -143,7 +149,7 @@ contains
 
    !> The feet of the points of a facet, in the tool's frame, and whether it meets a crease of one
    !> piece of its tool.
-   subroutine find_feet(tool, motion, reach, normal, segment, inside, wanted, foot, found, meets)
+   subroutine find_feet(tool, motion, reach, normal, segment, inside, wanted, feet)
       class(tool_type), intent(in) :: tool
       type(rigid_motion_type), intent(in) :: motion
       real(wp), intent(in) :: reach            !! how far beyond the end of the tool counts [length]
@@ -151,37 +157,38 @@ contains
       integer, intent(in) :: segment(:)        !! (nnode) of the tool there
       type(face_points_type), intent(in) :: inside
       logical, intent(in) :: wanted            !! whether it meets a crease or not
-      type(foot_type), allocatable, intent(out) :: foot(:)
-      logical, intent(out) :: found            !! all of them
-      logical, intent(out) :: meets            !! found, and looking the same way across a crease
+      type(face_feet_type), intent(out) :: feet
       real(wp) :: side(3), first(3), cosine
       integer :: q, d
 
-      found = .false.
       d = tool%ndim
-      allocate (foot(inside%n))
-      first = normal(:, 1)
-      meets = all([(dot_product(normal(:, q), first) >= one_piece, q=1, size(segment))])
-      do q = 1, inside%n
-         if (.not. (meets .or. wanted)) return
-         call tool%project(motion%to_tool(inside%x(:d, q)), foot(q))
-         if (.not. foot(q)%found .or. foot(q)%overhang > reach) meets = .false.
-         if (.not. foot(q)%found .or. foot(q)%overhang > reach) return
-         side = 0.0_wp
-         side(:d) = matmul(transpose(motion%rotation(:d, :d)), inside%normal(:d, q))
-         cosine = dot_product(side, foot(q)%normal)
-         ! On a crease itself the facet's own side says which direction meets it.
-         if (foot(q)%cone < 1.0_wp .and. -cosine >= foot(q)%cone - 1.0e-6_wp) then
-            foot(q)%normal = -side
-            foot(q)%hessian = 0.0_wp
-         end if
-         meets = meets .and. .not. cosine > facing
-         meets = meets .and. .not. dot_product(motion%turn(foot(q)%normal(:d)), first(:d)) &
-            & < one_piece
-      end do
-      found = .true.
-      if (meets) meets = any([(tool%is_creased(segment(1), foot(q)%segment), q=1, inside%n), &
-         & (tool%is_creased(segment(1), segment(q)), q=2, size(segment))])
+      allocate (feet%foot(inside%n))
+      associate (foot => feet%foot, meets => feet%meets)
+         first = normal(:, 1)
+         meets = all([(dot_product(normal(:, q), first) >= one_piece, q=1, size(segment))])
+         do q = 1, inside%n
+            if (.not. (meets .or. wanted)) return
+            call tool%project(motion%to_tool(inside%x(:d, q)), foot(q))
+            if (.not. foot(q)%found .or. foot(q)%overhang > reach) then
+               meets = .false.
+               return
+            end if
+            side = 0.0_wp
+            side(:d) = matmul(transpose(motion%rotation(:d, :d)), inside%normal(:d, q))
+            cosine = dot_product(side, foot(q)%normal)
+            ! On a crease itself the facet's own side says which direction meets it.
+            if (foot(q)%cone < 1.0_wp .and. -cosine >= foot(q)%cone - 1.0e-6_wp) then
+               foot(q)%normal = -side
+               foot(q)%hessian = 0.0_wp
+            end if
+            meets = meets .and. .not. cosine > facing
+            meets = meets .and. .not. dot_product(motion%turn(foot(q)%normal(:d)), first(:d)) &
+               & < one_piece
+         end do
+         feet%found = .true.
+         if (meets) meets = any([(tool%is_creased(segment(1), foot(q)%segment), q=1, inside%n), &
+            & (tool%is_creased(segment(1), segment(q)), q=2, size(segment))])
+      end associate
    end subroutine find_feet
 
    !> Points of one facet to the rows of its nodes; the row without them keeps what is left of the

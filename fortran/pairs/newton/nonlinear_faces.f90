@@ -8,7 +8,7 @@ module lopin_nonlinear_faces
    use lopin_model, only : model_type
    use lopin_contact_points, only : face_type
    use lopin_face_points, only : face_points_type, place_points
-   use lopin_face_rows, only : points_of_face, find_feet
+   use lopin_face_rows, only : points_of_face, face_feet_type, find_feet
    use lopin_curved_slave, only : curve_points, soft_length
    use lopin_nonlinear_points, only : nonlinear_points_type
    use lopin_closest_feature, only : opposite_type, inner_row_type, inner_foot_type
@@ -35,10 +35,9 @@ contains
       real(wp), intent(in) :: x(:, :)          !! (ndim, nnode) where the increment began [length]
       logical, intent(inout) :: met(:)         !! (facets) since the increment began
       type(face_points_type) :: inside
-      type(foot_type), allocatable :: foot(:)
+      type(face_feet_type) :: feet
       real(wp) :: normal(3, 8), stretch(64)
       integer :: i, k, n
-      logical :: found, meets
 
       do i = 1, size(opposite)
          if (allocated(opposite(i)%inner)) deallocate (opposite(i)%inner)
@@ -59,10 +58,10 @@ contains
             end do
             call find_feet(model%tool(m%tool)%shape, m%motion, m%limits%extension &
                & *maxval(points%size(f%point(:n))), normal(:, :n), opposite(f%point(:n))%facet, &
-               & inside, met(i), foot, found, meets)
-            if (.not. found) cycle
-            met(i) = met(i) .or. meets
-            if (met(i)) call add_points(opposite, points, f, n, inside, foot)
+               & inside, met(i), feet)
+            if (.not. feet%found) cycle
+            met(i) = met(i) .or. feet%meets
+            if (met(i)) call add_points(opposite, points, f, n, inside, feet%foot)
          end associate
       end do
    end subroutine find_inner_feet

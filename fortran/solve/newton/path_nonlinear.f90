@@ -31,6 +31,7 @@ module lopin_path_nonlinear
    use lopin_followed_stress, only : choose_followers
    use lopin_eased_friction, only : ease_jammed, forget_eased, apply_eased
    use lopin_pseudo_transient, only : pseudo_transient
+   use lopin_failed_attempt, only : turns_back, runs_round
    use lopin_scene, only : scene_type
    implicit none
    private
@@ -39,14 +40,8 @@ module lopin_path_nonlinear
    !> Parts of an increment that may not be cut: the first, and the smallest.
    real(wp), parameter :: first_part = 0.25_wp, least_part = 1.0_wp/64.0_wp
 
-   !> Attempts at an increment, each smaller, after which a turn of the path is likelier than a step
-   !> that is too large.
-   integer, parameter :: slow_after = 3
    !> Attempts after which friction that falls with the speed is likelier the cause.
    integer, parameter :: lagged_after = 3
-   !> And so it is where Newton runs in a cycle in increments that have become so small, beside
-   !> those before.
-   real(wp), parameter :: small = 0.25_wp
 
    !> How Newton comes to the prescribed values.
    type :: ways_type
@@ -102,7 +97,9 @@ contains
       if (allocated(error)) call try_lagged(scene, model, f, prescribed, error)
       if (allocated(error)) call try_by_parts(scene, model, f, prescribed, error)
       if (allocated(error)) then
-         if (turns_back(scene)) call try_other_ways(scene, model, f, prescribed, error)
+         if (turns_back(scene) .or. runs_round(scene)) call try_eased(scene, model, f, &
+            & prescribed, error)
+         if (turns_back(scene)) call try_slowly(scene, model, f, prescribed, error)
       end if
       if (allocated(error)) return
       if (scene%newton%flows) then
@@ -170,16 +167,6 @@ contains
       scene%newton%released(scene%constraints%dof_of_prescribed) = 0.0_wp
    end subroutine measure_imbalance
 
-   !> Newton has failed so that smaller increments promise little: the path may turn back.
-   pure logical function turns_back(scene)
-      type(scene_type), intent(in) :: scene
-
-      associate (state => scene%newton)
-         turns_back = state%attempt >= slow_after &
-            & .or. state%cycled .and. state%dt < small*scene%accepted%clock%usual
-      end associate
-   end function turns_back
-
    !> Again with the speed of slip of the last iteration, where friction falls with it.
    subroutine try_lagged(scene, model, f, prescribed, error)
       type(scene_type), intent(inout) :: scene
@@ -225,8 +212,8 @@ contains
       if (.not. allocated(failed)) deallocate (error)
    end subroutine try_by_parts
 
-   !> Where Newton finds no equilibrium nearby: points may jam, or the path turns back.
-   subroutine try_other_ways(scene, model, f, prescribed, error)
+   !> Where Newton finds no equilibrium nearby: points may jam.
+   subroutine try_eased(scene, model, f, prescribed, error)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       real(wp), intent(in) :: f(:), prescribed(:)
@@ -251,8 +238,7 @@ contains
          if (error%code /= error_code%not_converged) return
       end do
       call forget_eased(scene)
-      call try_slowly(scene, model, f, prescribed, error)
-   end subroutine try_other_ways
+   end subroutine try_eased
 
    !> Again by slow motion from the accepted state; the first error if that fails.
    subroutine try_slowly(scene, model, f, prescribed, error)
@@ -263,6 +249,7 @@ contains
       type(error_type), allocatable :: failed
       type(iterate_type) :: iterate
 
+      if (.not. allocated(error)) return
       if (error%code /= error_code%not_converged .or. .not. is_nonlinear(scene%newton)) return
       call start_from_accepted(scene, iterate)
       call add_line(scene%newton, '  slow motion from the accepted state')
