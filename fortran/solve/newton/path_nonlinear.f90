@@ -60,7 +60,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(iterate_type) :: iterate
       integer :: way
-      logical :: guessed
+      logical :: guessed, back
 
       scene%newton%separated = .false.
       scene%newton%faded = .false.
@@ -97,9 +97,9 @@ contains
       if (allocated(error)) call try_lagged(scene, model, f, prescribed, error)
       if (allocated(error)) call try_by_parts(scene, model, f, prescribed, error)
       if (allocated(error)) then
-         if (turns_back(scene) .or. runs_round(scene)) call try_eased(scene, model, f, &
-            & prescribed, error)
-         if (turns_back(scene)) call try_slowly(scene, model, f, prescribed, error)
+         back = turns_back(scene)
+         if (back .or. runs_round(scene)) call try_eased(scene, model, f, prescribed, error)
+         if (back .and. allocated(error)) call try_slowly(scene, model, f, prescribed, error)
       end if
       if (allocated(error)) return
       if (scene%newton%flows) then
@@ -249,7 +249,6 @@ contains
       type(error_type), allocatable :: failed
       type(iterate_type) :: iterate
 
-      if (.not. allocated(error)) return
       if (error%code /= error_code%not_converged .or. .not. is_nonlinear(scene%newton)) return
       call start_from_accepted(scene, iterate)
       call add_line(scene%newton, '  slow motion from the accepted state')
