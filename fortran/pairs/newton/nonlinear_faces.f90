@@ -25,8 +25,8 @@ contains
    !> The points inside facets that the rows of all points have now.
    !>
    !> A facet that has met a crease, or a curve, has them to the end of the increment: on curved
-   !> tools a row with them differs by sags from one without, and Newton runs in a cycle where a
-   !> facet that grazes a crease has them and has them not.
+   !> tools a row with them differs by sags from one without, and gaps would leap within Newton
+   !> where a facet grazes a crease.
    subroutine find_inner_feet(opposite, masters, points, model, x, met)
       type(opposite_type), intent(inout) :: opposite(:)
       type(masters_type), intent(in) :: masters
