@@ -28,9 +28,9 @@ module lopin_pseudo_transient
    private
    public :: pseudo_transient, set_metric
 
-   !> Linear systems that a whole motion may take; steps of Newton of one implicit step, and how far
-   !> they bring its residual down.
-   integer, parameter :: most_systems = 600, most_of_step = 12, few = 4
+   !> Linear systems that a whole motion may take, and one of a part whose mesh can be made anew;
+   !> steps of Newton of one implicit step, and how far they bring its residual down.
+   integer, parameter :: most_systems = 600, most_of_part = 100, most_of_step = 12, few = 4
    real(wp), parameter :: enough = 1.0e-2_wp
    !> Pseudo-time of the first step; what it grows and shrinks by; where it is given up: steps
    !> without end, or so long that the drag is rounding beside the elastic stiffness.
@@ -95,7 +95,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(transient_type) :: motion
       real(wp) :: tried
-      integer :: systems
+      integer :: systems, most
       logical :: rests
 
       call set_metric(scene, model, error)
@@ -103,7 +103,8 @@ contains
       motion%at = iterate
       tried = huge(1.0_wp)
       systems = 0
-      do while (systems < most_systems .and. motion%time > least_time &
+      most = merge(most_of_part, most_systems, model%start%step > 0)
+      do while (systems < most .and. motion%time > least_time &
          & .and. motion%time < most_time)
          call keep_place(motion, scene)
          call implicit_step(motion, scene, model, f, prescribed, error)
