@@ -20,12 +20,10 @@ os.environ.update(OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1")
 os.environ.setdefault("LOPIN_EXECUTABLE", str(ROOT/"build"/"lopin"))
 sys.path[:0] = [str(ROOT/"tests"/"python"), str(ROOT/"tests"/"benchmarks"), str(ROOT/"decks"/"make")]
 
-from test_curved_slave import force_over_way, smooth  # noqa: E402
+from test_curved_slave import flange, force_over_way, smooth  # noqa: E402
 from to_the_end import u_bend  # noqa: E402
 
 import lopin  # noqa: E402
-from lopin.atlas import forming_scenes  # noqa: E402
-from lopin.atlas.forming_scenes import flanged, strip  # noqa: E402
 
 
 def wave(result: lopin.Result) -> str:
@@ -34,22 +32,14 @@ def wave(result: lopin.Result) -> str:
     return next((match.group(1) for match in found if match), "-")
 
 
-def flange(thickness: float, times: int) -> lopin.Deck:
-    """The flange of map 16 on facets of 1 mm over so many."""
-    forming_scenes.strip = lambda word, t, cells, *place: strip(word, t, (times*cells[0], cells[1]), *place)
-    try:
-        return flanged("CPE4I", thickness, 0.0, (0.02, 0.02), "lagrange")[0].deck()
-    finally:
-        forming_scenes.strip = strip
-
-
 def flanges() -> None:
     """Waves, and forces beside those on facets of 0.125 mm [% of the largest]."""
     for thickness in (1.0, 0.5):
-        right = force_over_way(lopin.run(flange(thickness, 8)))
+        right = force_over_way(lopin.run(flange(thickness=thickness, times=8)))
         for times in (1, 2, 4):
             row = [f"{thickness:g}", f"{1/times:g}"]
-            for deck in (flange(thickness, times), smooth(flange(thickness, times))):
+            flat = flange(thickness=thickness, times=times)
+            for deck in (flat, smooth(flat)):
                 result = lopin.run(deck)
                 off = 100.0*np.abs(force_over_way(result) - right)/right.max()
                 row.append(f"{wave(result)} %; {np.sqrt((off**2).mean()):.1f}, {off.max():.0f} %")

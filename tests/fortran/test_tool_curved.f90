@@ -254,16 +254,13 @@ contains
       call is_true('gaps', worst < 1.0e-9_wp)
    end subroutine so_does_a_valley_that_ends
 
-   !> Heights at random: creases of all angles, most of which end at once. A point on the surface is
-   !> in the corner of two walls or is not; behind one of them it would be inside the tool.
-   subroutine what_lies_on_a_rough_surface_is_behind_no_wall_of_it()
-      class(tool_type), allocatable :: tool
-      type(foot_type) :: feet(2)
-      integer, parameter :: n = 12
-      real(wp) :: corner(3, 3, 2*(n - 1)**2), p(3, n, n), noise(3), x(3), deepest
-      integer :: i, j, k, number, twice
+   !> A tool of n x n heights at random: creases of all angles, most of which end at once.
+   subroutine new_rough(tool, n)
+      class(tool_type), allocatable, intent(out) :: tool
+      integer, intent(in) :: n
+      real(wp) :: corner(3, 3, 2*(n - 1)**2), p(3, n, n), noise(3)
+      integer :: i, j
 
-      call test('what lies on a rough surface is behind no wall of it')
       do i = 1, n
          do j = 1, n
             call random_number(noise)
@@ -272,6 +269,19 @@ contains
       end do
       call strips(p, corner)
       call new_open(tool, corner)
+   end subroutine new_rough
+
+   !> A point on the surface is in the corner of two walls or is not; behind one of them it would be
+   !> inside the tool.
+   subroutine what_lies_on_a_rough_surface_is_behind_no_wall_of_it()
+      class(tool_type), allocatable :: tool
+      type(foot_type) :: feet(2)
+      integer, parameter :: n = 12
+      real(wp) :: x(3), deepest
+      integer :: k, number, twice
+
+      call test('what lies on a rough surface is behind no wall of it')
+      call new_rough(tool, n)
       deepest = 0.0_wp
       twice = 0
       do k = 1, 20000
@@ -294,18 +304,11 @@ contains
       class(tool_type), allocatable :: tool
       type(foot_type) :: feet(2)
       integer, parameter :: n = 20
-      real(wp) :: corner(3, 3, 2*(n - 1)**2), p(3, n, n), noise(3), x(3)
-      integer :: i, j, f, k, g, number, asked, found(2), side
+      real(wp) :: x(3)
+      integer :: f, k, g, number, asked, found(2), side
 
       call test('a concave crease has two walls from both of its sides')
-      do i = 1, n
-         do j = 1, n
-            call random_number(noise)
-            p(:, j, i) = [real(i, wp), real(j, wp), 0.0_wp] + [0.4_wp, 0.4_wp, 0.7_wp]*noise
-         end do
-      end do
-      call strips(p, corner)
-      call new_open(tool, corner)
+      call new_rough(tool, n)
       asked = 0
       found = 0
       select type (tool)

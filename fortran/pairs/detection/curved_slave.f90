@@ -14,6 +14,7 @@ module lopin_curved_slave
    use lopin_kinds, only : wp
    use lopin_cells, only : cell_type, new_cell_of
    use lopin_model, only : model_type, pair_type, surface_of
+   use lopin_smooth_facet, only : feature_cosine
    use lopin_face_points, only : face_points_type
    use lopin_contact_points, only : face_type
    implicit none
@@ -22,8 +23,6 @@ module lopin_curved_slave
 
    !> The length s beside a facet: .4 of the sag of a facet on a radius of five facets.
    real(wp), parameter :: soft_length = 0.01_wp
-   !> Facets that meet at more than 30 degrees at the start have an edge there.
-   real(wp), parameter :: sharp = 0.866025403784439_wp
 
 contains
 
@@ -41,34 +40,34 @@ contains
       type(model_type), intent(in) :: model
       integer, intent(in) :: pair
       type(cell_type) :: cell
-      integer :: i, j
+      integer :: ending(model%mesh%nnode)      !! the facet that ends at a node; 0: none
+      integer :: i, before
 
+      ending = 0
       do i = 1, size(face)
          if (face(i)%pair /= pair) cycle
          call new_cell_of(cell, face(i)%cell)
          face(i)%curved = .not. cell%quadratic
+         if (face(i)%curved) ending(face(i)%node(2)) = i
       end do
       do i = 1, size(face)
          if (face(i)%pair /= pair .or. .not. face(i)%curved) cycle
-         do j = 1, size(face)
-            if (face(j)%pair /= pair .or. i == j) cycle
-            if (face(j)%node(2) == face(i)%node(1) .and. goes_on(face(j), face(i))) &
-               & face(i)%beside(1) = face(j)%node(1)
-            if (face(j)%node(1) == face(i)%node(2) .and. goes_on(face(i), face(j))) &
-               & face(i)%beside(2) = face(j)%node(2)
-         end do
+         before = ending(face(i)%node(1))
+         if (before == 0) cycle
+         if (.not. dot_product(way(before), way(i)) > feature_cosine) cycle
+         face(i)%beside(1) = face(before)%node(1)
+         face(before)%beside(2) = face(i)%node(2)
       end do
 
    contains
 
-      logical function goes_on(a, b)
-         type(face_type), intent(in) :: a, b
-         real(wp) :: t(2), u(2)
+      function way(i)
+         integer, intent(in) :: i
+         real(wp) :: way(2)
 
-         t = model%mesh%x(:, a%node(2)) - model%mesh%x(:, a%node(1))
-         u = model%mesh%x(:, b%node(2)) - model%mesh%x(:, b%node(1))
-         goes_on = b%curved .and. a%curved .and. dot_product(t, u) > sharp*norm2(t)*norm2(u)
-      end function goes_on
+         way = model%mesh%x(:, face(i)%node(2)) - model%mesh%x(:, face(i)%node(1))
+         way = way/norm2(way)
+      end function way
    end subroutine join_facets
 
    !> The points of a facet on its curve, and their parts in the rows of its two nodes; the nodes of

@@ -44,15 +44,15 @@ contains
       end do
       do i = 1, size(points%face)
          associate (f => points%face(i), m => masters%of(points%face(i)%pair))
-            if (.not. (met(i) .or. is_near(opposite, points, f))) cycle
-            if (any(opposite(f%point(:f%nnode))%facet == 0)) cycle
             n = f%nnode
+            if (any(opposite(f%point(:n))%facet == 0)) cycle
+            if (.not. (met(i) .or. is_near(opposite, points, f))) cycle
             call points_of_face(inside, f, model, x)
-            call place_points(inside, masters%x(:, f%node(:n)), stretch(:inside%n))
             if (f%curved) then
                call add_curve(opposite, masters, points, model, f, inside, met(i))
                cycle
             end if
+            call place_points(inside, masters%x(:, f%node(:n)), stretch(:inside%n))
             do k = 1, n
                normal(:, k) = opposite(f%point(k))%normal
             end do
@@ -91,20 +91,16 @@ contains
       end associate
    end subroutine add_curve
 
-   !> All nodes of a facet meet the tool, each one side of it, and some node is near.
+   !> All nodes of a facet, which meet the tool, meet one side of it, and some node is near.
    pure logical function is_near(opposite, points, face)
       type(opposite_type), intent(in) :: opposite(:)
       type(nonlinear_points_type), intent(in) :: points
       type(face_type), intent(in) :: face
       integer :: k
 
-      is_near = .false.
-      do k = 1, face%nnode
-         associate (i => face%point(k))
-            if (opposite(i)%facet == 0) return
-            is_near = is_near .or. opposite(i)%foot%gap <= near*points%size(i)
-         end associate
-      end do
+      associate (at => face%point(:face%nnode))
+         is_near = any(opposite(at)%foot%gap <= near*points%size(at))
+      end associate
       do k = 1, face%nnode
          if (face%point(k) == points%n) cycle
          associate (i => face%point(k) + 1)

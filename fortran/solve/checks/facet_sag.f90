@@ -159,7 +159,8 @@ contains
       end do
    end subroutine add_pair
 
-   !> The tool is met at the nodes of faces alone.
+   !> The tool is met at the nodes of faces, or along curves through these: sheets that are pressed
+   !> home are as far off then (docs/release.md).
    pure logical function has_flat_facets(contact, pair)
       class(nonlinear_contact_type), intent(in) :: contact
       integer, intent(in) :: pair

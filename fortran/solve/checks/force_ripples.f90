@@ -232,7 +232,7 @@ contains
       character(len=:), allocatable :: text
 
       text = ''
-      if (model%mesh%ndim == 2 .and. .not. any(model%pair%smooth)) text = ', or SMOOTH=YES on '// &
-         & '*CONTACT PAIR'
+      if (model%mesh%ndim == 2 .and. .not. any(model%pair%smooth)) text = ', or, of linear '// &
+         & 'ones, SMOOTH=YES on *CONTACT PAIR'
    end function rolls
 end module lopin_force_ripples
