@@ -4,6 +4,7 @@
 module lopin_explain
    use lopin_explanation, only : explanation_type
    use lopin_explain_deck, only : deck_explanations
+   use lopin_explain_facets, only : facet_explanations
    use lopin_explain_flow, only : flow_explanations
    use lopin_explain_friction, only : friction_explanations
    use lopin_explain_mistakes, only : mistake_explanations
@@ -79,6 +80,7 @@ contains
       allocate (list(0))
       call deck_explanations(list)
       call model_explanations(list)
+      call facet_explanations(list)
       call mistake_explanations(list)
       call friction_explanations(list)
       call flow_explanations(list)

@@ -15,8 +15,7 @@ contains
       call states(list)
       call contact(list)
       call gaps(list)
-      call uneven_gaps(list)
-      call narrow_masters(list)
+      call raised(list)
       call conditions(list)
    end subroutine model_explanations
 
@@ -223,97 +222,10 @@ contains
          & 'SMOOTH=NO on *SURFACE where the facets are meant as they are.')
    end subroutine gaps
 
-   subroutine uneven_gaps(list)
+   !> What is done to contact cards and tools.
+   subroutine raised(list)
       type(explanation_type), allocatable, intent(inout) :: list(:)
 
-      call add_explanation(list, 'W0333', 'facets that do not match make the pressure uneven', &
-         & 'Contact is at the nodes of the slave. Where its facets and those of the master do '// &
-         & 'not match, or are longer, a uniform load gives no uniform pressure, and master '// &
-         & 'nodes that no slave node meets go in. The figure is that of a uniform '// &
-         & 'pressure, solved with the elements near the contact (docs/atlas.md, map 9); forces '// &
-         & 'as a whole are right.', &
-         & 'TYPE=SURFACE TO SURFACE is exact there; or take the softer side, with facets at '// &
-         & 'most half as long, as the slave.')
-      call add_explanation(list, 'W0348', 'a coarse slave presses a finer master at single nodes', &
-         & 'Contact is at the nodes of the slave. Nodes of the master between them bear '// &
-         & 'nothing, the others too much: stresses in its first elements are uneven by about '// &
-         & 'the figure, even where the pressures of the slave are right. Forces as a whole are '// &
-         & 'right, and so are stresses a few elements away.', &
-         & 'TYPE=SURFACE TO SURFACE is exact there; or take the side with the shorter facets '// &
-         & 'as the slave.')
-      call add_explanation(list, 'N0347', 'a pair that says no TYPE is carried out surface to '// &
-         & 'surface', 'At the nodes its facets, which do not match, would make a uniform '// &
-         & 'pressure uneven by the figure that is said (W0333), or even on the slave and '// &
-         & 'uneven in the master. Surface to surface is exact there, so it is taken where the '// &
-         & 'deck leaves the choice open: no TYPE, SMOOTH or EXTENSION ZONE, no new meshes. In '// &
-         & 'space, and where bodies move far, all nodes of the slave must have the master '// &
-         & 'opposite: at its end contact is narrower than a facet.', &
-         & 'TYPE=NODE TO SURFACE where contact at the nodes is meant.')
-      call add_explanation(list, 'W0341', 'chords beside an interference or a gap', &
-         & 'Facets that do not match cut an arc at different places: their gaps differ by the '// &
-         & 'sag of a facet, its length times the angle between facets over eight. Beside a '// &
-         & 'small interference pressures then vary by sag / (interference times angle) of '// &
-         & 'themselves, beside a small gap the corners of facets touch first. Mean pressures '// &
-         & 'suffer less; surface to surface they lack two thirds of the difference of the sags '// &
-         & 'of both sides. *CLEARANCE or facets that match even the gaps, but nodes press '// &
-         & 'along the normals of single facets, which lean against the curve by up to half '// &
-         & 'the angle between facets: so much of the normal force is a wrong tangential one.', &
-         & 'finer or matching facets, or second-order elements whose mid-side nodes are on the '// &
-         & 'arc, on both sides.')
-      call add_explanation(list, 'W0342', 'force across a gap', &
-         & 'The gap of a surface-to-surface node is a mean over its facets by a function that '// &
-         & 'is negative at their far ends. Where a master is convex within a facet the mean '// &
-         & 'is less than every gap there, by up to curvature times facet squared over twelve. '// &
-         & 'Runs with NLGEOM take the least gap instead; runs without change to the nonlinear '// &
-         & 'path when this happens, unless friction has begun or PATH is given.', &
-         & 'finer slave facets, the convex side as the slave, NLGEOM, *LOPIN PATH=FINITE, or '// &
-         & 'TYPE=NODE TO SURFACE.')
-   end subroutine uneven_gaps
-
-   !> Masters and tools that are narrow, or chords, beside a slave facet.
-   subroutine narrow_masters(list)
-      type(explanation_type), allocatable, intent(inout) :: list(:)
-
-      call add_explanation(list, 'W0336', 'a part of the master is narrower than a slave facet', &
-         & 'Surface to surface spreads what a narrow punch or rib carries over the functions '// &
-         & 'of the slave''s nodes: narrower than one facet it presses the whole facet, and the '// &
-         & 'force may be a quarter to two thirds too large. Up to one and a half facets wide '// &
-         & 'it is 14 to 5 % too large at a given motion on first-order faces, 29 to 17 % on '// &
-         & 'triangles and tetrahedra of constant strain.', &
-         & 'make the slave''s facets there at most as long as the master is wide, or exchange '// &
-         & 'slave and master.')
-      call add_explanation(list, 'N0334', 'a pair at the nodes is carried out surface to surface', &
-         & 'Rows at the nodes of second-order faces (C3D10, C3D15, C3D20, CPE8, CAX8, CPE6 '// &
-         & '...) do not pass on a uniform pressure: corners would carry nothing. TYPE=NODE TO '// &
-         & 'SURFACE keeps its meaning between linear faces.', '')
-      call add_explanation(list, 'W0335', 'second-order faces meet themselves', &
-         & 'Contact of a surface with itself is at its nodes. On second-order faces the '// &
-         & 'pressure of corners and of mid-side nodes differs though the load is uniform; the '// &
-         & 'force as a whole is right.', &
-         & 'linear elements there, or two surfaces that meet each other.')
-      call add_explanation(list, 'W0337', 'a tool is narrower than the facets that it meets', &
-         & 'Rows of contact with a tool sample the gap at the nodes of the slave. A rib, an '// &
-         & 'edge or a radius between them is not seen: it goes into the facet without force. '// &
-         & 'Under one node it counts as a facet laid flat. Looked at where steps end: where '// &
-         & 'the tool is inside a facet whose nodes do not touch it, or deeper by 0.15 of it '// &
-         & 'than at its nodes; and where the tool leaves the plane in which it meets a closed '// &
-         & 'node on both sides within a facet.', &
-         & 'make the facets of the slave finer there: two at least under each rib, edge or '// &
-         & 'radius of the tool.')
-      call add_explanation(list, 'W0338', 'a node ends inside its tool', &
-         & 'The linear paths look from the place of a node at the start to where the tool '// &
-         & 'stands at the end of an increment. Where a tool with a rib, an edge or a recess '// &
-         & 'goes in by more than its features are high, the nearest side may be another one '// &
-         & 'than the side that the node meets: its row then lets it into the tool.', &
-         & '*LOPIN, PATH=FINITE, which follows the slave; or give the tool a shorter way.')
-      call add_explanation(list, 'W0339', 'a master goes into the slave between its nodes', &
-         & 'Rows of contact belong to the nodes of the slave. A rib, a corner or a bulge of a '// &
-         & 'meshed master between them is not seen: it goes into the facet without force, or '// &
-         & 'deeper than the nodes that touch. Looked at where steps end: where the master is '// &
-         & 'inside a facet whose nodes do not touch it, or deeper by 0.15 of it than at its '// &
-         & 'nodes (0.05 past its edge in metal). A rib at one node presses as a whole facet.', &
-         & 'make the facets of the slave at most as long as the master is wide there; or '// &
-         & 'TYPE=SURFACE TO SURFACE; or exchange slave and master.')
       call add_explanation(list, 'N0331', 'facets of a tool were mended', &
          & 'Facets without area were dropped, or facets were turned because REPAIR asks for it.', &
          & '')
@@ -329,12 +241,6 @@ contains
          & 'ERROR of *LOPIN; on the finite path it is 100 times the modulus of the softer side '// &
          & 'over the size of the facet.', &
          & 'give a slope under *SURFACE BEHAVIOR to choose it yourself.')
-      call raised(list)
-   end subroutine narrow_masters
-
-   subroutine raised(list)
-      type(explanation_type), allocatable, intent(inout) :: list(:)
-
       call add_explanation(list, 'W0343', 'a tool moves away', &
          & 'Every step moves the tool away from the slave of its pair, and nothing else moves '// &
          & 'or is loaded: the pair can press nothing.', &

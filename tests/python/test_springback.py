@@ -46,7 +46,7 @@ def test_a_release_that_friction_drags_on_is_one_too(monkeypatch):
     assert "W0522" in released(flanged, 0.25, (0.01, 0.01), 0.1)[1]
 
 
-@pytest.mark.parametrize("thickness, mu", [(0.25, 0.0), (0.5, 0.0), (0.25, 0.1)])
+@pytest.mark.parametrize("thickness, mu", [(0.25, 0.0), (0.5, 0.0), (0.5, 0.1)])
 def test_energy_that_no_work_gave_is_told_beside_what_comes_free(thickness, mu, monkeypatch):
     """A flange over a radius of five facets: its force rises and falls as each of them leaves."""
     monkeypatch.setattr(metal, "MOST", 2000)
@@ -55,6 +55,16 @@ def test_energy_that_no_work_gave_is_told_beside_what_comes_free(thickness, mu, 
     coarse, said = released(flanged, thickness, (), mu)
     off = np.linalg.norm(coarse - right)/np.linalg.norm(right)
     assert "W0519" in said and off > 0.01
+
+
+def test_a_twentieth_of_what_comes_free_is_told_one_way_or_the_other(monkeypatch):
+    """Two paths, 46 or 47 increments by the last bits, lose 4 or 5.7 % of the energy; both are off
+    by 5 % and told, by what fell and rose again if not by what is lost."""
+    monkeypatch.setattr(metal, "MOST", 2000)
+    right, _ = released(flanged, 0.25, (0.0025, 0.0025), 0.1)
+    coarse, said = released(flanged, 0.25, (), 0.1)
+    assert 0.01 < np.linalg.norm(coarse - right)/np.linalg.norm(right) < 0.1
+    assert {"W0518", "W0522"} <= set(said)
 
 
 def test_a_bend_in_air_is_not_doubted():

@@ -1,26 +1,23 @@
 !> Meshed masters that go into the slave where its rows do not see them: a rib between two nodes, a
 !> corner deep inside a facet.
 !>
-!> Looked at where a step ends, on the present shape: places of the facets of the master, its nodes
-!> among them, are projected on the slave.
+!> Looked at where a step ends, on the present shape.
 module lopin_narrow_masters
    use lopin_kinds, only : wp
    use lopin_error, only : error_type
    use lopin_text, only : to_text
    use lopin_vectors, only : cross
-   use lopin_cells, only : cell_type, cell_family, cell_id
+   use lopin_cells, only : cell_type, cell_id
    use lopin_element_type, only : cells_of_words
    use lopin_facets, only : facets_type, new_facets
-   use lopin_facet_basis, only : facet_point_of
-   use lopin_projection, only : facet_unit_normal
    use lopin_surface, only : surface_type, new_surface, update_surface
-   use lopin_feature, only : projection_type, limits_type
-   use lopin_search, only : tree_type, build_tree, find_projection
    use lopin_model, only : model_type, surface_of
-   use lopin_contact_points, only : pair_is_tied, facing
+   use lopin_contact_points, only : pair_is_tied
    use lopin_scene, only : scene_type
    use lopin_placed_tool, only : find_places
    use lopin_mortar_pairs, only : is_mortar
+   use lopin_master_entries, only : entry_type, find_entries, width_of
+   use lopin_lost_approach, only : check_lost_approach, deepest_contact
    use lopin_narrow_tools, only : open_by, too_deep
    use lopin_narrow_ribs, only : check_narrow_ribs
    use lopin_present_gaps, only : gap_of
@@ -30,24 +27,14 @@ module lopin_narrow_masters
    public :: check_narrow_masters
 
    real(wp), parameter :: rounding = 1.0e-6_wp   !! of a facet: nothing goes in by less
-   real(wp), parameter :: ahead = 1.0e-3_wp      !! of a facet
    real(wp), parameter :: well_beyond_half = 0.6_wp   !! of a facet
-   !> Places of a master facet in each direction, at most.
-   integer, parameter :: most_parts = 8
-
-   !> What goes into one facet of the slave.
-   type :: entry_type
-      real(wp) :: depth = 0.0_wp                 !! of the deepest place [length]
-      real(wp) :: ahead(3) = 0.0_wp              !! just before the master there [length]
-      real(wp) :: low(2) = huge(1.0_wp)          !! extent along its edges [length]
-      real(wp) :: high(2) = -huge(1.0_wp)
-   end type entry_type
 
 contains
 
-   subroutine check_narrow_masters(scene, model)
+   subroutine check_narrow_masters(scene, model, work)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
+      real(wp), intent(in) :: work             !! stored and spent in the bodies [energy]
       type(cell_type), allocatable :: cells(:)
       type(surface_type) :: slave, master
       type(error_type), allocatable :: error
@@ -68,7 +55,7 @@ contains
             if (.not. allocated(error)) call stand(p%master, master)
             ! Facets without area: said elsewhere.
             if (allocated(error)) cycle
-            call check_pair(scene, model, cells, pair, slave, master, x)
+            call check_pair(scene, model, cells, pair, slave, master, x, work)
             if (.not. is_mortar(model, p)) call check_narrow_ribs(scene, model, pair, slave, &
                & master, x)
          end associate
@@ -89,21 +76,23 @@ contains
       end subroutine stand
    end subroutine check_narrow_masters
 
-   subroutine check_pair(scene, model, cells, pair, slave, master, x)
+   subroutine check_pair(scene, model, cells, pair, slave, master, x, work)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       type(cell_type), intent(in) :: cells(:)
       integer, intent(in) :: pair
       type(surface_type), intent(in) :: slave, master
       real(wp), intent(in) :: x(:, :)
+      real(wp), intent(in) :: work             !! [energy]
       type(entry_type) :: entry(slave%facets%n)
       real(wp) :: least(size(x, 2)), shift(size(x, 2)), depth, deepest, top, allowed
       integer :: i, worst
       logical :: yields
 
-      call find_in_bay(slave, master, x, entry)
-      if (.not. any(entry%depth > rounding*slave%size)) return
       call node_gaps(scene, model, pair, least, shift)
+      call find_entries(slave, master, x, deepest_contact(scene, pair), shift, entry)
+      call check_lost_approach(scene, model, pair, slave%facets, entry, work)
+      if (.not. any(entry%depth > rounding*slave%size)) return
       yields = scene%accepted%solids%in_use .and. .not. is_mortar(model, model%pair(pair))
       worst = 0
       deepest = 0.0_wp
@@ -147,79 +136,6 @@ contains
       end associate
    end subroutine tell
 
-   !> How wide what goes into a facet is, its shorter way [length].
-   pure real(wp) function width_of(self, ndim)
-      type(entry_type), intent(in) :: self
-      integer, intent(in) :: ndim
-      width_of = minval(max(0.0_wp, self%high(:ndim - 1) - self%low(:ndim - 1)))
-   end function width_of
-
-   !> The deepest place of the master inside each facet of the slave, and how far the part that is
-   !> inside extends.
-   subroutine find_in_bay(slave, master, x, entry)
-      type(surface_type), intent(in) :: slave, master
-      real(wp), intent(in) :: x(:, :)
-      type(entry_type), intent(inout) :: entry(:)      !! (slave facets)
-      type(tree_type) :: tree
-      type(limits_type) :: limits
-      type(projection_type) :: found
-      real(wp) :: at(3), normal(3), xi(2), low(3), high(3), reach, typical
-      integer :: i, a, b, parts, d
-
-      d = slave%ndim
-      call build_tree(tree, slave%low, slave%high)
-      limits%cosine = facing
-      limits%extension = 0.0_wp
-      low = minval(slave%low, 2)
-      high = maxval(slave%high, 2)
-      reach = norm2(high - low)
-      low = low - reach
-      high = high + reach
-      typical = minval(slave%size)
-      do i = 1, master%facets%n
-         if (any(master%low(:, i) > high) .or. any(master%high(:, i) < low)) cycle
-         associate (cell => master%facets%cell(i), basis => master%basis)
-            parts = 2*min(most_parts/2, max(1, ceiling(master%size(i)/typical)))
-            do a = 0, parts
-               do b = 0, merge(0, parts, d == 2)
-                  if (basis%family(cell) == cell_family%triangle .and. a + b > parts) cycle
-                  xi = real([a, b], wp)/parts
-                  if (basis%family(cell) /= cell_family%triangle) xi = 2.0_wp*xi - 1.0_wp
-                  if (d == 2) xi(2) = 0.0_wp
-                  at = facet_point_of(master%coefficient(:, :, i), xi)
-                  if (any(at > high) .or. any(at < low)) cycle
-                  normal = facet_unit_normal(master%coefficient(:, :, i), basis%family(cell), xi)
-                  call find_projection(slave, tree, at(:d), normal(:d), limits, found)
-                  if (found%facet == 0) cycle
-                  if (found%gap >= 0.0_wp .or. dot_product(found%normal, normal) > facing) cycle
-                  call take_place(entry(found%facet), slave, found, x, at, normal)
-               end do
-            end do
-         end associate
-      end do
-   end subroutine find_in_bay
-
-   subroutine take_place(self, slave, found, x, at, normal)
-      type(entry_type), intent(inout) :: self
-      type(surface_type), intent(in) :: slave
-      type(projection_type), intent(in) :: found
-      real(wp), intent(in) :: x(:, :), at(3), normal(3)   !! of the master
-      real(wp) :: way(size(x, 1)), along
-      integer :: k
-
-      associate (node => slave%facets%node(:, found%facet), d => size(x, 1))
-         do k = 1, d - 1
-            way = x(:, node(k + 1)) - x(:, node(k))
-            along = dot_product(at(:d) - x(:, node(k)), way)/norm2(way)
-            self%low(k) = min(self%low(k), along)
-            self%high(k) = max(self%high(k), along)
-         end do
-      end associate
-      if (-found%gap <= self%depth) return
-      self%depth = -found%gap
-      self%ahead = at + ahead*slave%size(found%facet)*normal
-   end subroutine take_place
-
    !> Gaps of the slave's nodes as their rows have them, and what CLEARANCE or ADJUST add to them.
    subroutine node_gaps(scene, model, pair, least, shift)
       type(scene_type), intent(in) :: scene
@@ -253,7 +169,7 @@ contains
          logical, intent(in) :: closed
          least(node) = min(least(node), gap)
          if (closed) least(node) = min(least(node), 0.0_wp)
-         shift(node) = max(shift(node), moved)
+         if (abs(moved) > abs(shift(node))) shift(node) = moved
       end subroutine take
    end subroutine node_gaps
 

@@ -4,12 +4,13 @@ module lopin_touched_width
    use lopin_kinds, only : wp
    use lopin_text, only : to_text
    use lopin_error, only : log_type
+   use lopin_facets, only : facets_type
    use lopin_model, only : model_type
    use lopin_scene, only : scene_type
    use lopin_repeated_messages, only : warn_once
    implicit none
    private
-   public :: touch_type, find_closed, number_closed, find_narrowest, say_narrow
+   public :: touch_type, find_closed, leave_narrow, number_closed, find_narrowest, say_narrow
    public :: left, most_edges, steps
 
    !> A tool has left the plane in which it meets a node where it stands off by this share of an
@@ -17,6 +18,8 @@ module lopin_touched_width
    real(wp), parameter :: left = 0.2_wp
    !> A part of a tool narrower than this share of the facets beside is narrow.
    real(wp), parameter :: narrow = 0.9_wp
+   !> Contact is wide where a node in it has so many rings of closed nodes about it.
+   integer, parameter :: wide = 2
    !> Samples of an edge.
    integer, parameter :: steps = 20
    !> Edges that leave a node by a larger angle than 120 degrees are opposite.
@@ -55,6 +58,40 @@ contains
          if (scene%answer%force(i) > 0.0_wp) closed(scene%points%node(scene%rows%point(i))) = .true.
       end do
    end subroutine find_closed
+
+   !> Leave of closed nodes those that no wide contact has, with the rings about the innermost of
+   !> them: 0 if no facet is closed.
+   pure subroutine leave_narrow(facets, closed, depth)
+      type(facets_type), intent(in) :: facets
+      logical, intent(inout) :: closed(:)      !! (nnode)
+      integer, intent(out) :: depth
+      logical :: inner(size(closed)), more(size(closed))
+      integer :: ring, i
+
+      inner = closed
+      depth = 0
+      do ring = 1, wide
+         more = inner
+         do i = 1, facets%n
+            associate (node => facets%node(:facets%nnode(i), i))
+               if (.not. all(inner(node))) more(node) = .false.
+            end associate
+         end do
+         if (any(inner .and. .not. more)) depth = ring - 1
+         inner = more
+      end do
+      ! What is left spreads over the contact that it is the middle of.
+      do while (any(inner))
+         closed = closed .and. .not. inner
+         more = inner
+         inner = .false.
+         do i = 1, facets%n
+            associate (node => facets%node(:facets%nnode(i), i))
+               if (any(more(node))) inner(node) = inner(node) .or. closed(node)
+            end associate
+         end do
+      end do
+   end subroutine leave_narrow
 
    !> Closed nodes numbered, with room for what lies opposite each.
    pure subroutine number_closed(closed, touch, place)

@@ -27,7 +27,8 @@ contains
       type(frame_type), intent(in) :: frame    !! of the last increment of the step
 
       associate (energy => frame%energy)
-         call check_step(scene, model, watch%seen, frame%certificate%rubs%ramp, energy%most)
+         call check_step(scene, model, watch%seen, frame%certificate%rubs%ramp, energy%most, &
+            & energy%strain + energy%plastic, watch%artificial%pressed)
          call check_coarse_faces(scene, model, energy%most)
          if (scene%newton%in_use) call end_balance(watch%balance, scene, model, energy)
          call report_snap_through(watch%jumps, scene, model, energy)
