@@ -18,6 +18,7 @@ module lopin_after_step
       & tell_narrow_friction
    use lopin_narrow_tools, only : check_narrow_tools
    use lopin_narrow_masters, only : check_narrow_masters
+   use lopin_mesh_work, only : check_mesh_work
    use lopin_unresolved_contact, only : check_unresolved_contact
    use lopin_passed_tools, only : check_passed_tools
    use lopin_undecided_ties, only : check_undecided_ties
@@ -193,6 +194,7 @@ contains
       call check_narrow_tools(scene, model)
       call check_narrow_masters(scene, model, taken)
       call check_unresolved_contact(scene, model, pressed, taken)
+      call check_mesh_work(scene, model, taken, whole)
       call check_elastic_slip(scene, model)
       if (ramp > most_ramp) call tell_ramp(scene, model, ramp)
       call tell_eased(scene, model, seen%ramp)

@@ -1,0 +1,176 @@
+!> Work in the bodies that the mesh adds to it.
+!>
+!> Elements that are too coarse, or lock, strain otherwise than their neighbours. With strains that
+!> are smoothed, e*, by their means at nodes (of the elements of a section), the work
+!>
+!>    sum s : (e - e*)
+!>
+!> is what the mesh adds: in elasticity the square of the error in the norm of energy, as far as e*
+!> is the true strain (Zienkiewicz and Zhu 1987). The force of a given way is too high by as much,
+!> since all work is half of both. Of metal it is that of the stress at the end, along its strain.
+module lopin_mesh_work
+   use lopin_kinds, only : wp
+   use lopin_text, only : to_text
+   use lopin_element_type, only : element_type
+   use lopin_gradients, only : gradients
+   use lopin_model, only : model_type
+   use lopin_recover_nonlinear, only : recover_nonlinear
+   use lopin_recover_stress, only : recover_stress
+   use lopin_newton_workspace, only : is_nonlinear
+   use lopin_mean_gradient, only : own_motion
+   use lopin_scene, only : scene_type
+   use lopin_repeated_messages, only : warn_once, note_once
+   implicit none
+   private
+   public :: check_mesh_work
+
+   !> Of all work: told, and warned of.
+   real(wp), parameter :: told = 0.05_wp, warned = 0.1_wp
+   !> Less work than this, beside the most that was about, is what a release leaves.
+   real(wp), parameter :: hardly = 1.0e-3_wp
+
+contains
+
+   !> Look at all bodies where a step ends.
+   subroutine check_mesh_work(scene, model, work, whole)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: work             !! stored and spent in the bodies [energy]
+      real(wp), intent(in) :: whole            !! the most that was about [energy]
+      real(wp), allocatable :: stress(:, :), strain(:, :)
+      real(wp) :: u(3, model%mesh%nnode), added, along, most
+      integer :: i, worst
+
+      if (.not. work > hardly*whole) return
+      do i = 1, model%mesh%nnode
+         u(:, i) = own_motion(scene, model, i)
+      end do
+      if (is_nonlinear(scene%newton)) then
+         call recover_nonlinear(scene%solids, model%mesh, u, scene%newton%past, stress, strain)
+      else
+         call recover_stress(scene%solids, model%mesh, u, stress, strain)
+      end if
+      added = 0.0_wp
+      along = 0.0_wp
+      most = 0.0_wp
+      worst = 0
+      do i = 1, size(model%section)
+         call add_section(i)
+      end do
+      ! Metal that was bent back has stresses against its strain.
+      if (along < work) return
+      if (added > told*max(along, 2.0_wp*work)) call tell(scene, model, worst, &
+         & added/max(along, 2.0_wp*work))
+
+   contains
+
+      !> What the elements of a section add; the worst of all.
+      subroutine add_section(section)
+         integer, intent(in) :: section
+         real(wp) :: smooth(6, model%mesh%nnode), own
+         real(wp), allocatable :: volume(:)
+         integer :: e
+
+         associate (mesh => model%mesh, solids => scene%solids)
+            call smooth_strains(scene, model, section, strain, smooth)
+            do e = 1, mesh%nelement
+               if (mesh%section(e) /= section .or. solids%which(e) == 0) cycle
+               associate (element => solids%group(solids%which(e))%element, &
+                  & node => mesh%conn(:, e), p => solids%first_point(e), &
+                  & q => solids%first_point(e + 1) - 1)
+                  volume = volumes(element, mesh%x(:, node(:element%nnode)), &
+                     & model%section(section)%thickness)
+                  own = sum(volume*sum(stress(:, p:q)*(strain(:, p:q) - matmul( &
+                     & smooth(:, node(:element%nnode)), element%n)), dim=1))
+                  added = added + own
+                  along = along + sum(volume*sum(stress(:, p:q)*strain(:, p:q), dim=1))
+               end associate
+               if (own <= most) cycle
+               most = own
+               worst = e
+            end do
+         end associate
+      end subroutine add_section
+   end subroutine check_mesh_work
+
+   !> Means at nodes of what the elements of a section have there.
+   subroutine smooth_strains(scene, model, section, strain, smooth)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: section
+      real(wp), intent(in) :: strain(:, :)     !! (6, npoint)
+      real(wp), intent(out) :: smooth(:, :)    !! (6, nnode)
+      integer :: times(size(smooth, 2)), e, k
+
+      smooth = 0.0_wp
+      times = 0
+      associate (mesh => model%mesh, solids => scene%solids)
+         do e = 1, mesh%nelement
+            if (mesh%section(e) /= section .or. solids%which(e) == 0) cycle
+            associate (element => solids%group(solids%which(e))%element, &
+               & own => strain(:, solids%first_point(e):solids%first_point(e + 1) - 1))
+               do k = 1, element%nnode
+                  call add(mesh%conn(k, e), matmul(own, element%extrapolation(k, :)))
+               end do
+            end associate
+         end do
+         do k = 1, size(times)
+            smooth(:, k) = smooth(:, k)/max(1, times(k))
+         end do
+      end associate
+
+   contains
+
+      subroutine add(node, own)
+         integer, intent(in) :: node
+         real(wp), intent(in) :: own(6)
+
+         times(node) = times(node) + 1
+         smooth(:, node) = smooth(:, node) + own
+      end subroutine add
+   end subroutine smooth_strains
+
+   !> Of the Gauss points of an element at the start [length^3]; rings by radian.
+   pure function volumes(element, x, thickness) result(volume)
+      type(element_type), intent(in) :: element
+      real(wp), intent(in) :: x(:, :)          !! (ndim, nnode) [length]
+      real(wp), intent(in) :: thickness        !! plane kinds [length]
+      real(wp) :: volume(element%ngauss), g(element%ndim, element%nnode)
+      integer :: k
+
+      do k = 1, element%ngauss
+         call gradients(element%ndim, element%nnode, x, element%dn(:, :, k), g, volume(k))
+         volume(k) = volume(k)*element%weight(k)
+         if (element%ndim == 3) cycle
+         volume(k) = volume(k)*merge(dot_product(x(1, :), element%n(:, k)), thickness, &
+            & element%axisymmetric)
+      end do
+   end function volumes
+
+   subroutine tell(scene, model, worst, share)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: worst             !! element
+      real(wp), intent(in) :: share            !! of the work
+      character(len=:), allocatable :: text, remedy
+
+      associate (element => scene%solids%group(scene%solids%which(worst))%element, &
+         & at => model%section(model%mesh%section(worst))%at)
+         text = 'about '//to_text(100.0_wp*share, 2)//' % of the work in the bodies is what '// &
+            & 'the mesh adds, most at element '//to_text(model%mesh%element_label(worst))//' ('// &
+            & trim(model%element_word(model%mesh%etype(worst)))//'): forces of given ways are '// &
+            & 'too high, ways of given forces too small, by about as much'
+         remedy = 'a finer mesh; *LOPIN, TARGET ERROR= finds how fine'
+         if (element%nnode == element%ndim + 1) then
+            remedy = 'elements of second order, or quads and bricks; or a mesh several times finer'
+         else if (element%nnode == 2**element%ndim .and. element%nmode == 0) then
+            remedy = 'words with I (CPE4I, CPS4I, CAX4I, C3D8I) where bodies bend; or a finer mesh'
+         end if
+         if (share > warned) then
+            call warn_once(scene%log, 'W0565', text, at, help=remedy)
+         else
+            call note_once(scene%log, 'N0565', text, at, help=remedy)
+         end if
+      end associate
+   end subroutine tell
+end module lopin_mesh_work

@@ -1,0 +1,85 @@
+"""Work that a mesh adds is told: elements that lock where a beam bends, and coarse ones (W0565)."""
+import re
+
+import pytest
+
+from lopin import Elastic, Material, Plastic, mesh_make
+from lopin.deck import Deck
+from lopin.model import Model
+
+#: Words whose strains follow a bend, and words that add to its work.
+RIGHT = ["CPE4I", "CPS4I", "CPE6", "CPE8", "CPE8R", "C3D8I", "C3D10", "C3D20", "CSS8"]
+LOCKED = ["CPE4", "CPS4", "CPE3", "C3D8", "C3D4"]
+CELLS = {"CPE4I": "CPE4", "CPS4I": "CPS4", "CPE8R": "CPE8", "C3D8I": "C3D8", "CSS8": "C3D8"}
+
+
+def cantilever(word, layers, length=20.0, cells=20, law=None, nlgeom=False, scale=1.0):
+    """Clamped at one end, the other moved across by a two hundredth of its length."""
+    solid = word.startswith("C3D") or word == "CSS8"
+    size = (length, 1.0, 1.0) if solid else (length, 1.0)
+    mesh = mesh_make.block([scale*x for x in size],
+                           (cells, 1, layers) if solid else (cells, layers))
+    if word in ("CPE3", "CPE6", "C3D4", "C3D10"):
+        mesh = mesh_make.simplices(mesh)
+    if word.rstrip("R") in ("CPE6", "CPE8", "C3D10", "C3D20"):
+        mesh = mesh.quadratic()
+    model = Model("beam", mesh, kind="3d" if solid else
+                  "plane stress" if word.startswith("CPS") else "plane strain")
+    model.section("ALL", law or Elastic(2e5/scale**2, 0.0))
+    model.fix("LEFT", *("xyz" if solid else "xy"))
+    model.step(nlgeom=nlgeom).move("RIGHT", **{"z" if solid else "y": -0.005*length*scale})
+    base = CELLS.get(word, word)
+    return Deck.parse(re.sub(rf"TYPE={base}\b", f"TYPE={word}", model.to_deck().text()), "beam")
+
+
+def work(result):
+    energy = result.summary["energy"]
+    return energy["strain"] + energy["plastic"]
+
+
+def told(result):
+    texts = [m["message"] for m in result.diagnostics if m["code"][1:] == "0565"]
+    return 0.01*float(re.search(r"about ([\d.]+) %", texts[0]).group(1)) if texts else 0.0
+
+
+def exact(length=20.0):
+    """Of the beam, without shear, whose share is below a hundredth."""
+    return 0.5*(0.005*length)**2*3.0*2e5/12.0/length**3
+
+
+@pytest.mark.parametrize("layers", [1, 2, 4])
+@pytest.mark.parametrize("word", LOCKED)
+def test_words_that_lock_are_told(solve, word, layers):
+    """What is too much beside all work, within a half, is the figure; of one layer of B-bar
+    elements more."""
+    result = solve(cantilever(word, layers))
+    excess = 1.0 - exact()/work(result)
+    assert excess > 0.05
+    assert 0.9*excess < told(result) < (1.5*excess if layers > 1 else max(0.45, 1.4*excess))
+
+
+@pytest.mark.parametrize("word", RIGHT)
+def test_words_that_bend_are_not(solve, word):
+    for layers in (1, 2):
+        result = solve(cantilever(word, layers))
+        assert work(result) == pytest.approx(exact(), rel=0.01) and not told(result)
+
+
+@pytest.mark.parametrize("word", ["CPE4", "CPE3"])
+def test_a_fine_mesh_is_not(solve, word):
+    result = solve(cantilever(word, 16, 5.0, 80))
+    assert not told(result)
+
+
+@pytest.mark.parametrize("nlgeom", [False, True])
+@pytest.mark.parametrize("scale", [1e-3, 1e3])
+def test_it_is_told_in_all_units(solve, scale, nlgeom):
+    figures = [told(solve(cantilever("CPE4", 2, nlgeom=nlgeom, scale=s))) for s in (1.0, scale)]
+    assert figures[1] == pytest.approx(figures[0], rel=0.02) and figures[0] > 0.3
+
+
+@pytest.mark.parametrize("word, least", [("CPE4", 0.05), ("CPE3", 0.3), ("CPE4I", None)])
+def test_metal_is_told_as_well(solve, word, least):
+    law = Material(Elastic(2e5, 0.3), Plastic([(200.0, 0.0), (700.0, 1.0)]))
+    found = told(solve(cantilever(word, 2, 10.0, law=law, nlgeom=True)))
+    assert found > least if least else not found
