@@ -128,9 +128,8 @@ contains
          & 'master is curved within them it is inside here and before them there, and how far '// &
          & 'the bodies have come is known to the mean of that room by the forces of the nodes. '// &
          & 'The figure is half of it, times the force over twice the work in the bodies. '// &
-         & 'Balls and cylinders on slave facets as long as the contact is wide were 5 to 20 % '// &
-         & 'off in force, told 6 to 29; on facets four times as long 80 and 160 %, told 42 and '// &
-         & '55.', &
+         & 'Crowned blocks under slave facets of a quarter to all of their side were 1 to '// &
+         & '900 % off in force, told 5 to 90 (docs/theory.md).', &
          & 'facets half as long on the slave: a quarter of the room; or exchange slave and '// &
          & 'master.')
       call add_explanation(list, 'N0563', 'contact is hardly wider than a facet', &
