@@ -75,7 +75,7 @@ def two_blocks(kind, slave, master, contact, *, crown=0.0, nlgeom=False, law=Non
         model.section(part, law or Elastic(2e5, 0.3))
     model.contact("UP.BOTTOM", "LOW.TOP", surface_to_surface=contact)
     hold(model, kind, "UP.TOP")
-    model.step(5 if nlgeom else 1, nlgeom=nlgeom).move("UP.TOP", **{directions(kind)[-1]: -0.1})
+    model.step(2 if nlgeom else 1, nlgeom=nlgeom).move("UP.TOP", **{directions(kind)[-1]: -0.1})
     return model.to_deck()
 
 
@@ -95,7 +95,7 @@ def told(result, code):
 def test_a_ball_on_few_facets_is_told(solve, word):
     """On one to four facets the force is up to several times too large: that is said, or the run is
     refused, wherever it is more than a tenth; where the mesh is fine nothing is said."""
-    fine = 16 if word[0] == "3d" else 48
+    fine = (16 if word[2] == 1 else 13) if word[0] == "3d" else 48
     result = solve(pressed_by_a_ball(word, fine, 0.05))
     right = force(result)
     assert not told(result, "W0563")
@@ -150,10 +150,11 @@ def test_a_roller_that_bends_a_beam_is_not_named(solve):
 @pytest.mark.parametrize("kind", ["plane strain", "axisymmetric", "3d"])
 @pytest.mark.parametrize("crown", [0.0, 0.02])
 def test_what_sinks_in_between_nodes_is_told(solve, kind, crown, nlgeom):
-    """Slaves half as fine, a third, a quarter: the force that is lost, within a fifth of it."""
-    master = 12
+    """Slaves half as fine, a third, a quarter: the force that is lost, within a fifth of it; one of
+    them where runs are long."""
+    master = 6 if kind == "3d" and nlgeom else 12
     right = force(solve(two_blocks(kind, master, master, False, crown=crown, nlgeom=nlgeom)))
-    for slave in (6, 4, 3):
+    for slave in (3,) if master == 6 else (6, 4) if kind == "3d" else (6, 4, 3):
         result = solve(two_blocks(kind, slave, master, False, crown=crown, nlgeom=nlgeom))
         lost = 1.0 - force(result)/right
         assert lost > 0.03
