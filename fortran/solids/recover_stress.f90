@@ -103,18 +103,23 @@ contains
       end do
    end subroutine recover_element
 
-   !> Mean over the elements of a node of the values extrapolated from their Gauss points.
-   subroutine average_to_nodes(self, mesh, at_points, at_nodes)
+   !> Mean over the elements of a node (those of one section, if asked) of the values extrapolated
+   !> from their Gauss points.
+   subroutine average_to_nodes(self, mesh, at_points, at_nodes, section)
       type(solids_type), intent(in) :: self
       type(mesh_type), intent(in) :: mesh
       real(wp), intent(in) :: at_points(:, :)    !! (m, npoint)
       real(wp), intent(out) :: at_nodes(:, :)    !! (m, nnode); zero where no element is
+      integer, intent(in), optional :: section
       integer :: e, a, p, q, node, share(mesh%nnode)
 
       at_nodes = 0.0_wp
       share = 0
       do e = 1, mesh%nelement
          if (self%which(e) == 0) cycle
+         if (present(section)) then
+            if (mesh%section(e) /= section) cycle
+         end if
          p = self%first_point(e)
          q = self%first_point(e + 1) - 1
          associate (element => self%group(self%which(e))%element)

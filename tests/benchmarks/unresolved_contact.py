@@ -59,7 +59,7 @@ def blocks() -> Iterator[tuple[str, str, int, tuple[float, float] | None]]:
             for name, law, nlgeom in (("elastic", None, False), ("elastic, NLGEOM", None, True),
                                       ("metal, NLGEOM", metal, True)):
                 decks = [scenes.two_blocks(kind, n, master, False, crown=crown, law=law,
-                                           nlgeom=nlgeom)
+                                           nlgeom=nlgeom, increments=5)
                          for n in (master, master//2, master//3, master//4)]
                 right = scenes.force(lopin.run(decks[0]))
                 for n, deck in zip((2, 3, 4), decks[1:]):

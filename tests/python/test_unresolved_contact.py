@@ -60,7 +60,8 @@ def pressed_by_a_ball(word, cells, depth, *, scale=1.0, law=None, nlgeom=False):
     return model.to_deck()
 
 
-def two_blocks(kind, slave, master, contact, *, crown=0.0, nlgeom=False, law=None):
+def two_blocks(kind, slave, master, contact, *, crown=0.0, nlgeom=False, law=None,
+               increments=2):
     """The upper block, the slave, pressed on the lower one by a given way; `crown`: curvature."""
     low, up = block(kind, "quads", 1, master), block(kind, "quads", 1, slave)
     last = low.ndim - 1
@@ -75,7 +76,8 @@ def two_blocks(kind, slave, master, contact, *, crown=0.0, nlgeom=False, law=Non
         model.section(part, law or Elastic(2e5, 0.3))
     model.contact("UP.BOTTOM", "LOW.TOP", surface_to_surface=contact)
     hold(model, kind, "UP.TOP")
-    model.step(2 if nlgeom else 1, nlgeom=nlgeom).move("UP.TOP", **{directions(kind)[-1]: -0.1})
+    model.step(increments if nlgeom else 1, nlgeom=nlgeom).move(
+        "UP.TOP", **{directions(kind)[-1]: -0.1})
     return model.to_deck()
 
 

@@ -18,8 +18,6 @@ module lopin_after_step
       & tell_narrow_friction
    use lopin_narrow_tools, only : check_narrow_tools
    use lopin_narrow_masters, only : check_narrow_masters
-   use lopin_mesh_work, only : check_mesh_work
-   use lopin_unresolved_contact, only : check_unresolved_contact
    use lopin_passed_tools, only : check_passed_tools
    use lopin_undecided_ties, only : check_undecided_ties
    use lopin_small_displacements, only : excursion_type, measure_small_displacements, &
@@ -171,14 +169,13 @@ contains
 
    !> Say at the end of a step what its answer cannot be trusted in, and after the last what never
    !> met.
-   subroutine check_step(scene, model, seen, ramp, whole, taken, pressed)
+   subroutine check_step(scene, model, seen, ramp, whole, taken)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       type(step_record_type), intent(inout) :: seen
       real(wp), intent(in) :: ramp             !! share of bounds of shear that is lacking [-]
       real(wp), intent(in) :: whole            !! work done so far [energy]
       real(wp), intent(in) :: taken            !! stored and spent in the bodies [energy]
-      real(wp), intent(in) :: pressed(:)       !! (ndof) forces of contact [force]
       integer :: pair
 
       if (scene%step == size(model%step)) then
@@ -193,8 +190,6 @@ contains
       if (.not. scene%newton%nlgeom) call check_rigid_bodies(scene, model, seen%turned)
       call check_narrow_tools(scene, model)
       call check_narrow_masters(scene, model, taken)
-      call check_unresolved_contact(scene, model, pressed, taken)
-      call check_mesh_work(scene, model, taken, whole)
       call check_elastic_slip(scene, model)
       if (ramp > most_ramp) call tell_ramp(scene, model, ramp)
       call tell_eased(scene, model, seen%ramp)

@@ -15,9 +15,8 @@ module lopin_mesh_work
    use lopin_gradients, only : gradients
    use lopin_model, only : model_type
    use lopin_recover_nonlinear, only : recover_nonlinear
-   use lopin_recover_stress, only : recover_stress
+   use lopin_recover_stress, only : recover_stress, average_to_nodes
    use lopin_newton_workspace, only : is_nonlinear
-   use lopin_mean_gradient, only : own_motion
    use lopin_scene, only : scene_type
    use lopin_repeated_messages, only : warn_once, note_once
    implicit none
@@ -32,19 +31,17 @@ module lopin_mesh_work
 contains
 
    !> Look at all bodies where a step ends.
-   subroutine check_mesh_work(scene, model, work, whole)
+   subroutine check_mesh_work(scene, model, u, work, whole)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
+      real(wp), intent(in) :: u(:, :)          !! (3, nnode) displacements [length]
       real(wp), intent(in) :: work             !! stored and spent in the bodies [energy]
       real(wp), intent(in) :: whole            !! the most that was about [energy]
       real(wp), allocatable :: stress(:, :), strain(:, :)
-      real(wp) :: u(3, model%mesh%nnode), added, along, most
+      real(wp) :: added, along, most
       integer :: i, worst
 
       if (.not. work > hardly*whole) return
-      do i = 1, model%mesh%nnode
-         u(:, i) = own_motion(scene, model, i)
-      end do
       if (is_nonlinear(scene%newton)) then
          call recover_nonlinear(scene%solids, model%mesh, u, scene%newton%past, stress, strain)
       else
@@ -72,7 +69,7 @@ contains
          integer :: e
 
          associate (mesh => model%mesh, solids => scene%solids)
-            call smooth_strains(scene, model, section, strain, smooth)
+            call average_to_nodes(solids, mesh, strain, smooth, section)
             do e = 1, mesh%nelement
                if (mesh%section(e) /= section .or. solids%which(e) == 0) cycle
                associate (element => solids%group(solids%which(e))%element, &
@@ -92,43 +89,6 @@ contains
          end associate
       end subroutine add_section
    end subroutine check_mesh_work
-
-   !> Means at nodes of what the elements of a section have there.
-   subroutine smooth_strains(scene, model, section, strain, smooth)
-      type(scene_type), intent(in) :: scene
-      type(model_type), intent(in) :: model
-      integer, intent(in) :: section
-      real(wp), intent(in) :: strain(:, :)     !! (6, npoint)
-      real(wp), intent(out) :: smooth(:, :)    !! (6, nnode)
-      integer :: times(size(smooth, 2)), e, k
-
-      smooth = 0.0_wp
-      times = 0
-      associate (mesh => model%mesh, solids => scene%solids)
-         do e = 1, mesh%nelement
-            if (mesh%section(e) /= section .or. solids%which(e) == 0) cycle
-            associate (element => solids%group(solids%which(e))%element, &
-               & own => strain(:, solids%first_point(e):solids%first_point(e + 1) - 1))
-               do k = 1, element%nnode
-                  call add(mesh%conn(k, e), matmul(own, element%extrapolation(k, :)))
-               end do
-            end associate
-         end do
-         do k = 1, size(times)
-            smooth(:, k) = smooth(:, k)/max(1, times(k))
-         end do
-      end associate
-
-   contains
-
-      subroutine add(node, own)
-         integer, intent(in) :: node
-         real(wp), intent(in) :: own(6)
-
-         times(node) = times(node) + 1
-         smooth(:, node) = smooth(:, node) + own
-      end subroutine add
-   end subroutine smooth_strains
 
    !> Of the Gauss points of an element at the start [length^3]; rings by radian.
    pure function volumes(element, x, thickness) result(volume)

@@ -12,9 +12,8 @@ module lopin_narrow_masters
    use lopin_facets, only : facets_type, new_facets
    use lopin_surface, only : surface_type, new_surface, update_surface
    use lopin_model, only : model_type, surface_of
-   use lopin_contact_points, only : pair_is_tied
    use lopin_scene, only : scene_type
-   use lopin_placed_tool, only : find_places
+   use lopin_placed_tool, only : find_places, presses_by_faces
    use lopin_mortar_pairs, only : is_mortar
    use lopin_master_entries, only : entry_type, find_entries, width_of
    use lopin_lost_approach, only : check_lost_approach, deepest_contact
@@ -45,11 +44,7 @@ contains
       do pair = 1, size(model%pair)
          associate (p => model%pair(pair))
             if (model%surface(p%master)%kind /= surface_of%faces) cycle
-            if (model%surface(p%slave)%kind /= surface_of%faces .or. p%slave == p%master) cycle
-            if (pair_is_tied(model, p)) cycle
-            if (scene%newton%in_use) then
-               if (.not. scene%newton%contact%pair_active(pair)) cycle
-            end if
+            if (p%slave == p%master .or. .not. presses_by_faces(scene, model, pair)) cycle
             call find_places(scene, model, x)
             call stand(p%slave, slave)
             if (.not. allocated(error)) call stand(p%master, master)

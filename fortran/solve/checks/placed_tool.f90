@@ -9,7 +9,8 @@ module lopin_placed_tool
    use lopin_scene, only : scene_type
    implicit none
    private
-   public :: placed_tool_type, find_places, place_tool, gap_at, distance_at, faces_a_tool
+   public :: placed_tool_type, find_places, place_tool, gap_at, distance_at, faces_a_tool, &
+      & presses_by_faces
 
    !> A tool where it stands, as its slave meets it.
    type :: placed_tool_type
@@ -20,17 +21,26 @@ module lopin_placed_tool
 
 contains
 
-   !> Whether faces of solids meet a rigid tool in a pair that is in force and not tied.
+   !> Whether a pair is in force, not tied, and its slave are faces of solids.
+   pure logical function presses_by_faces(scene, model, pair)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: pair
+
+      presses_by_faces = model%surface(model%pair(pair)%slave)%kind == surface_of%faces &
+         & .and. .not. pair_is_tied(model, model%pair(pair))
+      if (presses_by_faces .and. scene%newton%in_use) &
+         & presses_by_faces = scene%newton%contact%pair_active(pair)
+   end function presses_by_faces
+
+   !> Whether such a pair meets a rigid tool.
    pure logical function faces_a_tool(scene, model, pair)
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
       integer, intent(in) :: pair
 
       faces_a_tool = model%surface(model%pair(pair)%master)%kind == surface_of%tool &
-         & .and. model%surface(model%pair(pair)%slave)%kind == surface_of%faces &
-         & .and. .not. pair_is_tied(model, model%pair(pair))
-      if (faces_a_tool .and. scene%newton%in_use) &
-         & faces_a_tool = scene%newton%contact%pair_active(pair)
+         & .and. presses_by_faces(scene, model, pair)
    end function faces_a_tool
 
    !> Where the nodes are now.

@@ -12,8 +12,7 @@ module lopin_unresolved_contact
    use lopin_element_type, only : cells_of_words
    use lopin_facets, only : facets_type, new_facets
    use lopin_model, only : model_type, surface_of
-   use lopin_contact_points, only : pair_is_tied
-   use lopin_placed_tool, only : find_places
+   use lopin_placed_tool, only : find_places, presses_by_faces
    use lopin_scene, only : scene_type
    use lopin_touched_width, only : find_closed, leave_narrow
    use lopin_repeated_messages, only : warn_once, note_once
@@ -48,11 +47,7 @@ contains
       call cells_of_words(model%element_word, cells)
       do pair = 1, size(model%pair)
          associate (p => model%pair(pair))
-            if (p%slave == p%master .or. pair_is_tied(model, p)) cycle
-            if (model%surface(p%slave)%kind /= surface_of%faces) cycle
-            if (scene%newton%in_use) then
-               if (.not. scene%newton%contact%pair_active(pair)) cycle
-            end if
+            if (p%slave == p%master .or. .not. presses_by_faces(scene, model, pair)) cycle
             call find_closed(scene, pair, narrow)
             if (.not. any(narrow)) cycle
             slave = facets_of(p%slave)

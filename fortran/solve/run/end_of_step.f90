@@ -6,6 +6,8 @@ module lopin_end_of_step
    use lopin_run_type, only : watch_type
    use lopin_after_step, only : check_step
    use lopin_coarse_faces, only : check_coarse_faces
+   use lopin_mesh_work, only : check_mesh_work
+   use lopin_unresolved_contact, only : check_unresolved_contact
    use lopin_artificial_work, only : check_artificial_work
    use lopin_work_balance, only : end_balance
    use lopin_snap_through, only : report_snap_through
@@ -26,9 +28,10 @@ contains
       type(model_type), intent(in) :: model
       type(frame_type), intent(in) :: frame    !! of the last increment of the step
 
-      associate (energy => frame%energy)
-         call check_step(scene, model, watch%seen, frame%certificate%rubs%ramp, energy%most, &
-            & energy%strain + energy%plastic, watch%artificial%pressed)
+      associate (energy => frame%energy, taken => frame%energy%strain + frame%energy%plastic)
+         call check_step(scene, model, watch%seen, frame%certificate%rubs%ramp, energy%most, taken)
+         call check_unresolved_contact(scene, model, watch%artificial%pressed, taken)
+         call check_mesh_work(scene, model, frame%u, taken, energy%most)
          call check_coarse_faces(scene, model, energy%most)
          if (scene%newton%in_use) call end_balance(watch%balance, scene, model, energy)
          call report_snap_through(watch%jumps, scene, model, energy)

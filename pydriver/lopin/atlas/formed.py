@@ -26,8 +26,8 @@ from .scenes import Frame
 #: Increments of a reference, first and largest.
 FINE = (0.02, 0.02)
 #: Warnings that say that a force or a shape may be off, beside the certificate's verdict.
-SPEAK = ("W0327", "W0514", "W0515", "W0517", "W0518", "W0519", "W0522", "W0530", "W0531",
-         "W0552", "W0553", "W0560", "W0561", "W0562", "W0340", "W0349", "W0563", "W0565")
+SPEAK = ("W0327", "W0340", "W0349", "W0514", "W0515", "W0517", "W0518", "W0519", "W0522", "W0530",
+         "W0531", "W0552", "W0553", "W0560", "W0561", "W0562", "W0563", "W0565")
 #: What the codes of runs that stop mean; others: the linear solver.
 _CODES = {"E0501": "F3", "E0502": "F2", "E0503": "F2", "E0504": "W", "E0505": "F2", "E0510": "F2",
           "E0512": "F4", "E0513": "F4", "E0514": "F4", "E0520": "F3", "E0550": "F2",
