@@ -49,8 +49,11 @@ class Profile:
         return Profile(self.rows, "REVOLUTION", frame, self.fillet)
 
     def extruded(self, origin: Point = (0.0, 0.0, 0.0), x: Point = (1.0, 0.0, 0.0),
-                 generator: Point = (0.0, 1.0, 0.0)) -> Profile:
-        """Swept: `x` is a point on the local x axis, `generator` a point on the line of sweep."""
+                 generator: Point = (0.0, -1.0, 0.0)) -> Profile:
+        """Swept along local z; unless told, the profile is (x, z) of the scene.
+
+        `x`: a point on the local x axis, `generator`: one on local z; local y is z cross x.
+        """
         frame = ((*map(float, origin), *map(float, x)), tuple(map(float, generator)))
         return Profile(self.rows, "CYLINDER", frame, self.fillet)
 

@@ -12,6 +12,8 @@ import numpy as np
 import pytest
 
 import lopin
+from lopin import NeoHooke, mesh_make
+from lopin.model import Model
 
 THICK, OPEN, LONG, H = 0.5, 0.5, 4.0, 0.25
 PENETRATION = 1e-8
@@ -217,3 +219,48 @@ def test_a_wall_that_narrows_is_a_wall(solve, heights):
         return result.at(-1)["U"][2*n - 1, 1]
     assert tip(["*SURFACE INTERACTION, NAME=I", "*CONTACT PAIR, INTERACTION=I",
                 "SKIN, SKIN"]) == pytest.approx(tip([]), rel=1e-9)
+
+
+def bellows(word, way, contact=True):
+    """Waves of a thin wall of rubber, crushed by `way`; each side meets itself alone."""
+    kind, shape, order = word
+    mesh = mesh_make.block((1.2, 36.0), (2, 60), origin=(15.0, 0.0))
+    mesh = mesh_make.simplices(mesh) if shape == "triangles" else mesh
+    mesh = (mesh.quadratic() if order == 2 else mesh).mapped(
+        lambda x: x + np.outer(2.5*np.sin(np.pi*x[:, 1]/6.0), (1.0, 0.0)))
+    model = Model("bellows", mesh, kind=kind)
+    model.section("ALL", NeoHooke(1.0, 0.04))
+    for side in ("LEFT", "RIGHT") if contact else ():
+        model.contact(side, side)
+    across, along = ("r", "z") if kind == "axisymmetric" else ("x", "y")
+    model.fix("BOTTOM", across, along)
+    model.step(round(5.0*way), nlgeom=True).move("TOP", **{across: 0.0, along: -way})
+    return mesh, model.to_deck()
+
+
+WAVES = [("axisymmetric", "quads", 1), ("axisymmetric", "triangles", 1),
+         ("plane strain", "quads", 1), ("plane strain", "quads", 2)]
+
+
+@pytest.mark.parametrize("word", WAVES, ids=lambda word: "-".join(map(str, word)))
+def test_the_far_flank_of_a_hollow_wave_is_not_entered(solve, word):
+    """Through the hollow of a wave its other flank seems to be entered by the whole breadth, and turns to
+    the first as the waves close: that was pushed out, and no increment was solved."""
+    pressed, free = (solve(bellows(word, 9.0, contact)[1]) for contact in (True, False))
+    assert pressed.at(-1)["U"] == pytest.approx(free.at(-1)["U"], rel=1e-9, abs=1e-9)
+
+
+@pytest.mark.parametrize("word", WAVES[:3:2], ids=lambda word: "-".join(map(str, word)))
+def test_waves_close_on_each_other(solve, word):
+    """Crushed until they touch; no node lies within another element."""
+    mesh, deck = bellows(word, 20.0)
+    result = solve(deck)
+    assert max(result.contact(pair).last.pressure.max() for pair in result.pairs) > 0.0
+    x = mesh.points + result.at(-1)["U"][:, :2]
+    for cell in mesh.blocks[0][1]:
+        edges = np.roll(x[cell], -1, axis=0) - x[cell]
+        inward = [(edge[0]*(x - corner)[:, 1] - edge[1]*(x - corner)[:, 0])/np.hypot(*edge)
+                  for corner, edge in zip(x[cell], edges)]
+        within = np.min(inward, axis=0)
+        within[cell] = 0.0
+        assert within.max() < 0.05*THICK

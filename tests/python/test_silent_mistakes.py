@@ -11,6 +11,9 @@ import subprocess
 
 import pytest
 
+from lopin import Elastic, mesh_make, profile
+from lopin.model import Model
+
 EXECUTABLE = os.environ["LOPIN_EXECUTABLE"]
 NODES = "\n".join(f"{1 + i + 3*j}, {5.*i}, {5.*j}" for j in range(3) for i in range(3))
 PARTS = {
@@ -583,3 +586,17 @@ def test_a_table_that_begins_at_touch_holds_a_tool_that_a_force_drives(words, tm
     row = dict(zip(lines[0].split(","), lines[-1].split(",")))
     deepest = next(v for k, v in row.items() if k.startswith("TOP-TOOL.max_penetration"))
     assert abs(float(deepest) - 0.01) < 1e-4
+
+
+def test_faces_that_look_away_from_the_nearer_wall_of_a_groove_are_not_behind_it(solve):
+    """The outside of a block beside a mandrel looks at the far wall of the groove, and meets it."""
+    model = Model("groove", mesh_make.block((1.0, 1.0), (2, 2), origin=(1.0, 1.0)))
+    model.section("ALL", Elastic(1000.0, 0.3))
+    groove = model.rigid_tool("GROOVE", profile.start(0.9, 5.0).line_to(0.9, 0.0).line_to(4.0, 0.0)
+                              .line_to(4.0, 5.0))
+    model.contact("RIGHT", groove)
+    model.fix("LEFT", "y")
+    model.step(4, nlgeom=True).move("LEFT", x=2.1)
+    result = solve(model.to_deck())
+    assert "W0315" in [m["code"] for m in result.diagnostics]
+    assert result.contact(0).last.pressure.min() > 50.0

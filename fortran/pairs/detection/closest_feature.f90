@@ -17,10 +17,13 @@ module lopin_closest_feature
    implicit none
    private
    public :: opposite_type, anchor_type, sample_foot_type, inner_foot_type, inner_row_type, &
-      & find_opposite, anchor_of
+      & find_opposite, anchor_of, cut_off
 
    !> Sine below which an arm is square to its facet.
    real(wp), parameter :: square = 1.0e-6_wp
+   !> Of a facet: nodes of a surface that meets itself are behind it by less, where they do not
+   !> press but are pressed upon, and facets cut off what lies between.
+   real(wp), parameter :: cut_off = 0.1_wp
 
    !> What lies opposite another place that the row of a point samples, see lopin_row_samples.
    type :: sample_foot_type
@@ -97,7 +100,8 @@ contains
                & parts_of(masters, points, i), x)
          else if (.not. m%asleep) then
             if (m%against_itself) then
-               call find_on_itself(self, m, masters%side(:model%mesh%ndim, i), i, x, cost)
+               call find_on_itself(self, masters, points%pair(i), points%node(i), &
+                  & masters%side(:model%mesh%ndim, i), i, points%size(i), cost)
             else
                limits = m%limits
                limits%depth = min(limits%depth, points%depth(i))
@@ -114,22 +118,41 @@ contains
       end associate
    end subroutine find_opposite
 
-   !> Neighbours are left out, and nothing is entered deeper than half of the point's own wall.
-   subroutine find_on_itself(self, m, side, i, x, cost)
+   !> Neighbours are left out, and nothing is entered deeper than half of the point's own wall, or
+   !> than point and place have moved beside each other since the increment began.
+   subroutine find_on_itself(self, masters, pair, node, side, i, size_, cost)
       type(opposite_type), intent(inout) :: self
-      type(master_type), intent(in) :: m
+      type(masters_type), intent(in) :: masters
+      integer, intent(in) :: pair, node
       real(wp), intent(in) :: side(:)
       integer, intent(in) :: i
-      real(wp), intent(in) :: x(:)
+      real(wp), intent(in) :: size_            !! of the point's facets [length]
       type(cost_type), intent(inout) :: cost
       type(limits_type) :: limits
+      real(wp) :: moved(size(side)), bound
       integer :: k
 
-      k = i - m%first_point + 1
-      limits = m%limits
-      limits%depth = min(limits%depth, m%itself%depth(k))
-      call find_projection(m%surface, m%tree, x, side, limits, self%found, &
-         & m%itself%neighbour(m%itself%first(k):m%itself%first(k + 1) - 1), cost)
+      associate (m => masters%of(pair), x => masters%x, start => masters%start_x)
+         k = i - m%first_point + 1
+         limits = m%limits
+         limits%depth = min(limits%depth, m%itself%depth(k))
+         associate (around => m%itself%neighbour(m%itself%first(k):m%itself%first(k + 1) - 1))
+            call find_projection(m%surface, m%tree, x(:, node), side, limits, self%found, around, &
+               & cost)
+            if (self%found%facet == 0 .or. self%found%gap >= 0.0_wp) return
+            associate (n => m%surface%facets%nnode(self%found%facet))
+               associate (of => m%surface%facets%node(:n, self%found%facet))
+                  moved = x(:, node) - start(:, node) - matmul(x(:, of) - start(:, of), &
+                     & self%found%shape(:n))
+               end associate
+            end associate
+            bound = m%itself%entered(k) + cut_off*size_ + norm2(moved)
+            if (-self%found%gap <= bound) return
+            limits%depth = min(limits%depth, bound)
+            call find_projection(m%surface, m%tree, x(:, node), side, limits, self%found, around, &
+               & cost)
+         end associate
+      end associate
    end subroutine find_on_itself
 
    subroutine take_facet(self, surface)

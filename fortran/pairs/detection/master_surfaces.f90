@@ -22,7 +22,7 @@ module lopin_master_surfaces
    use lopin_facet_hysteresis, only : facet_hysteresis_type
    implicit none
    private
-   public :: masters_type, master_type, new_masters, move_masters, areas_of
+   public :: masters_type, master_type, new_masters, move_masters, measure_walls, areas_of
 
    !> Facets, of both sides, beyond which two boxes count as apart: quadratic facets bulge less.
    real(wp), parameter :: apart = 2.0_wp
@@ -53,6 +53,7 @@ module lopin_master_surfaces
       type(master_type), allocatable :: of(:)      !! (npair)
       type(facet_rule_type) :: rules(6)
       real(wp), allocatable :: x(:, :)             !! (ndim, nnode) present places [length]
+      real(wp), allocatable :: start_x(:, :)       !! the same where the increment began
       real(wp), allocatable :: side(:, :)          !! (3, npoint) slave normals, start of increment
       integer, allocatable :: part(:)   !! (npoint) segment of the tool met last; 0: none yet
       type(facet_hysteresis_type) :: owner !! of points that sit in the joint of two facets
@@ -180,6 +181,7 @@ contains
          end associate
       end do
       if (start) call find_sides(self, model, points)
+      if (start .and. any(is_self_contact(model%pair))) self%start_x = self%x
       do pair = 1, size(model%pair)
          if (is_self_contact(model%pair(pair)) .and. .not. self%of(pair)%against_itself) &
             & call know_itself(self, model, points, pair)
@@ -213,27 +215,42 @@ contains
       end associate
    end subroutine move_tool
 
-   !> What a surface must know to meet itself: the neighbours and the wall of each of its points.
+   !> What a surface must know to meet itself: the neighbours of each of its points, and how deep
+   !> its elements are.
    subroutine know_itself(self, model, points, pair)
       type(masters_type), intent(inout) :: self
       type(model_type), intent(in) :: model
       type(nonlinear_points_type), intent(in) :: points
       integer, intent(in) :: pair
       integer, allocatable :: node(:)
-      integer :: first, last
 
       node = pack(points%node, points%pair == pair)
-      first = findloc(points%pair, pair, dim=1)
-      last = first + size(node) - 1
       associate (m => self%of(pair))
-         m%first_point = first
+         m%first_point = findloc(points%pair, pair, dim=1)
          m%against_itself = .true.
-         call new_self_contact(m%itself, m%surface, node)
-         call measure_thickness(m%itself, m%surface, m%tree, self%x(:, node), &
-            & self%side(:size(self%x, 1), first:last), &
-            & depths_of_elements(m%surface, self%x, model%mesh%conn), m%limits%cosine)
+         call new_self_contact(m%itself, m%surface, node, &
+            & depths_of_elements(m%surface, self%x, model%mesh%conn))
       end associate
    end subroutine know_itself
+
+   !> How deep points of surfaces that meet themselves may enter in this increment.
+   subroutine measure_walls(self, points, pressed)
+      type(masters_type), intent(inout) :: self
+      type(nonlinear_points_type), intent(in) :: points
+      logical, intent(in) :: pressed(:)        !! (npoint) since the last increment
+      integer :: pair, first, last
+
+      do pair = 1, size(self%of)
+         associate (m => self%of(pair))
+            if (.not. m%against_itself) cycle
+            first = m%first_point
+            last = first + size(m%itself%depth) - 1
+            call measure_thickness(m%itself, m%surface, m%tree, &
+               & self%x(:, points%node(first:last)), self%side(:size(self%x, 1), first:last), &
+               & m%limits%cosine, pressed(first:last))
+         end associate
+      end do
+   end subroutine measure_walls
 
    !> The outward normals of the slaves now.
    subroutine find_sides(self, model, points)

@@ -240,13 +240,17 @@ contains
       end do
    end subroutine name_facet
 
-   !> A pair whose points all lie behind their master was described the wrong way round.
+   !> A pair whose points all lie behind their master was described the wrong way round. Those that
+   !> look away from what they lie in front of, as the outside of a tube over a mandrel, may meet
+   !> another wall of it later.
    subroutine check_sides(self, model, pair, log, error)
       type(contact_points_type), intent(in) :: self
       type(model_type), intent(in) :: model
       integer, intent(in) :: pair
       type(log_type), intent(inout) :: log
       type(error_type), allocatable, intent(out) :: error
+      !> Of a facet: nearer is not in front.
+      real(wp), parameter :: met = 1.0e-3_wp
       character(len=:), allocatable :: lies
       integer :: i, behind
 
@@ -259,7 +263,8 @@ contains
          end if
          behind = 0
          do i = self%first(pair), self%n
-            if (dot_product(self%side(:, i), self%normal(:, i)) > 0.2_wp) behind = behind + 1
+            if (dot_product(self%side(:, i), self%normal(:, i)) > 0.2_wp &
+               & .and. self%gap(i) < met*self%size(i)) behind = behind + 1
          end do
          if (behind == self%n - self%first(pair) + 1 .and. behind > 0) then
             call raise(error, error_code%deck, 'E0312', 'all '//to_text(behind)// &

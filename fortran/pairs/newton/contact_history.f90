@@ -8,7 +8,7 @@ module lopin_contact_history
    use lopin_enforcement_parameters, only : remember_elastic
    use lopin_nonlinear_points, only : nonlinear_points_type
    use lopin_nonlinear_samples, only : offset_of
-   use lopin_master_surfaces, only : move_masters
+   use lopin_master_surfaces, only : move_masters, measure_walls
    use lopin_slave_areas, only : follow_areas
    use lopin_facet_hysteresis, only : start_facet_hysteresis, kept_beyond
    use lopin_state, only : contact_state_type
@@ -27,7 +27,7 @@ module lopin_contact_history
 contains
 
    !> Search from the accepted state; anchors of friction; tractions turned with the normals. Ties
-   !> and walls are those of the state in which contact was met first.
+   !> are those of the state in which contact was met first.
    subroutine start_increment(self, model, accepted, u, dt, error)
       type(nonlinear_contact_type), intent(inout) :: self
       type(model_type), intent(in) :: model
@@ -49,6 +49,8 @@ contains
       call move_masters(self%masters, model, self%dofs, self%nonlinear_points_type, u, .true., &
          & self%cost, error)
       if (allocated(error)) return
+      call measure_walls(self%masters, self%nonlinear_points_type, &
+         & [(accepted%closed(place_of(self, i, accepted%closed)), i=1, self%n)])
       call start_search(self, accepted)
       call find_closest_features(self, .true., .false., error)
       if (allocated(error)) return

@@ -6,15 +6,11 @@ module lopin_nonlinear_sweep
    use lopin_sweep, only : sweep_type, new_sweep, next_share, take_gap
    use lopin_rigid_motion, only : rigid_motion_type
    use lopin_master_surfaces, only : move_masters
-   use lopin_closest_feature, only : opposite_type, find_opposite
+   use lopin_closest_feature, only : opposite_type, find_opposite, cut_off
    use lopin_nonlinear_contact, only : nonlinear_contact_type
    implicit none
    private
    public :: find_passage, measure_ways, gap_of
-
-   !> Of a facet: nodes of a surface that meets itself are behind it by less, where they do not
-   !> press but are pressed upon, and facets cut off what lies between.
-   real(wp), parameter :: cut_off = 0.1_wp
 
 contains
 
