@@ -12,7 +12,7 @@ program test_mortar_element
    use lopin_contact_row, only : enforcement_parameters_type, point_state_type, point_law_type
    use lopin_enforcement_law, only : law_type, new_exponential
    use lopin_rigid_motion, only : rotation_matrix
-   use lopin_mortar_node_2d, only : patch_type
+   use lopin_mortar_patch_2d, only : patch_type
    use lopin_mortar_cells_3d, only : new_mortar_kernel
    use lopin_local_matrix, only : local_matrix_type, turned_force
    use lopin_mortar_element, only : present_mortar_type, mortar_anchor_type, update_mortar, &

@@ -11,8 +11,8 @@ program test_mortar_node
    use lopin_slave_pieces, only : split_slave, piece_normals, whole_weights
    use lopin_mortar_cover, only : cover_type, new_cover, taken_over
    use lopin_mortar, only : mortar_coupling_type, couple
-   use lopin_mortar_node_2d, only : patch_type, basis_functions_type, new_patch, &
-      & mortar_row_type, mortar_row
+   use lopin_mortar_patch_2d, only : patch_type, basis_functions_type, new_patch
+   use lopin_mortar_node_2d, only : mortar_row_type, mortar_row
    use check, only : test, close_to, is_true, finish
    implicit none
    real(wp), parameter :: facing = -0.2_wp

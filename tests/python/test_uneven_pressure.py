@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import lopin
-from lopin import mesh_make
+from lopin import Material, Plastic, Tresca, mesh_make, profile
 from lopin.atlas.blocks import PRESSURE, Scene, pressed_deck
 from lopin.atlas.scenes import Frame
 from lopin.deck import Deck
@@ -173,6 +173,29 @@ def test_facets_that_match_stay_at_the_nodes(solve, tmp_path):
     deck = pressed("CPE4", 8, 4, 1.0)
     assert (pressures(solve, deck, tmp_path) == pressures(solve, free(deck), tmp_path)).all()
     assert "N0347" not in run(free(deck), tmp_path)
+
+
+@pytest.mark.parametrize("kind", ["plane strain", "axisymmetric"])
+def test_facets_that_match_and_slide_go_surface_to_surface(solve, kind):
+    """Two billets of unlike metals on each other: at the nodes, which come to joints of facets all at
+    once, they stop at a third of the way."""
+    parts = {part: mesh_make.block((8.0, 8.0), (8, 8)).moved(0.0, 8.0*k)
+             for k, part in enumerate(("LOW", "UP"))}
+    model = Model("billets", together(**parts), kind=kind)
+    for part, flow in (("LOW", 300.0), ("UP", 150.0)):
+        model.section(part, Material(Elastic(2.1e5, 0.3), Plastic([(flow, 0.0), (3.0*flow, 1.0)])))
+    press = model.rigid_tool("PRESS", profile.plane(16.0, 40.0), ref=(0.0, 16.0))
+    model.contact("UP.TOP", press, friction=Tresca(0.2))
+    model.contact("LOW.BOTTOM", model.rigid_tool("FLOOR", profile.plane(0.0, 40.0, side="above")),
+                  friction=Tresca(0.2))
+    model.contact("UP.BOTTOM", "LOW.TOP", friction=0.2)
+    across, along = ("r", "z") if kind == "axisymmetric" else ("x", "y")
+    for part in parts:
+        model.fix(f"{part}.LEFT", across)
+    model.step(40, nlgeom=True).move(press, **{along: -6.0})
+    result = solve(model.to_deck())
+    assert [m["message"] for m in result.diagnostics if m["code"] == "N0347"][0].count("slide")
+    assert result.summary["certificate"]["verdict"] == "PASS"
 
 
 @pytest.mark.parametrize("step", ["*STEP", "*STEP, NLGEOM"])

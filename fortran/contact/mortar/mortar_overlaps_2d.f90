@@ -1,13 +1,13 @@
 !> All overlaps of two surfaces in the plane.
 module lopin_mortar_overlaps_2d
    use lopin_kinds, only : wp
-   use lopin_dual, only : dual_type, constant
+   use lopin_plain, only : dual_type, constant
    use lopin_surface, only : surface_type
    use lopin_search, only : tree_type
    use lopin_box_query, only : facets_in_box
    use lopin_mortar_overlap, only : overlap_type, overlap_list_type, add_overlap, &
       & cosine_between, overlap_limits_type, area_measure_type
-   use lopin_mortar_cells_2d, only : segment_type, integrate_segment, find_least
+   use lopin_plain_cells_2d, only : segment_type, integrate_segment, find_least
    implicit none
    private
    public :: find_overlaps_2d

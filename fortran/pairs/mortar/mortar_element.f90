@@ -25,8 +25,10 @@ module lopin_mortar_element
    use lopin_slave_pieces, only : split_slave, piece_normals, whole_weights
    use lopin_mortar, only : plan_rows
    use lopin_mortar_cover, only : cover_type, new_cover, has_row, taken_over
-   use lopin_mortar_node_2d, only : patch_type, basis_functions_type, new_patch, &
-      & mortar_row_type, mortar_row
+   use lopin_mortar_patch_2d, only : patch_type, met_row_type, basis_functions_type, new_patch
+   use lopin_mortar_node_2d, only : mortar_row_type, mortar_row
+   use lopin_plain_node_2d, only : plain_row_type => mortar_row_type, plain_row => mortar_row
+   use lopin_plain, only : plain => constant
    use lopin_mortar_least, only : least_of_nodes, lift_of_row
    use lopin_nonlinear_points, only : stays_mortar
    use lopin_contact_row, only : row_type, point_state_type, point_law_type
@@ -225,7 +227,7 @@ contains
 
       subroutine take_plane_row(master)
          type(surface_type), intent(in) :: master
-         type(mortar_row_type) :: row
+         type(plain_row_type) :: row
          integer, allocatable :: also(:)
          real(wp), allocatable :: share(:)
 
@@ -233,7 +235,7 @@ contains
          call new_patch(patch, self%slave, master, self%list, basis_functions_type( &
             & self%slave%node([k, also]), [1.0_wp, share], self%piece_of([k, also])), self%piece, &
             & self%cover%share)
-         call mortar_row(row, patch, constant(masters%x(:2, patch%node)), self%axisymmetric, &
+         call plain_row(row, patch, plain(masters%x(:2, patch%node)), self%axisymmetric, &
             & self%thickness(1))
          if (self%renews) then
             anchor%lift = 0.0_wp
@@ -242,12 +244,12 @@ contains
                & row%normal%v, row%gap%v)
          end if
          patch%lift = anchor%lift
-         row%gap = row%gap + constant(patch%lift)
-         patch%met = row
+         patch%met = met_row_type(row%weight%v, row%normal%v, row%gap%v + patch%lift, &
+            & row%coefficient%v)
          if (.not. row%weight%v > 0.0_wp) return
          opposite%facet = 1
          opposite%normal(:2) = row%normal%v
-         opposite%found%gap = row%gap%v
+         opposite%found%gap = patch%met%gap
          if (self%tied) call new_tie(anchor%tie, self%slave%node(k), patch%node, &
             & row%coefficient%v, row%weight%v, self%slave%facets, masters%rules, masters%x)
          if (anchor%set) return
@@ -356,7 +358,8 @@ contains
             call mortar_row(own, patch, place(:, :size(patch%node)), self%axisymmetric, &
                & self%thickness(1))
          else
-            own = patch%met
+            own = mortar_row_type(constant(patch%met%weight), constant(patch%met%normal), &
+               & constant(patch%met%gap), constant(patch%met%coefficient))
          end if
          moved = constant([0.0_wp, 0.0_wp])
          do m = 1, size(anchor%node)

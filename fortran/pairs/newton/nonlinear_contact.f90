@@ -21,7 +21,7 @@ module lopin_nonlinear_contact
    use lopin_skins, only : new_skins
    use lopin_local_matrix, only : local_matrix_type
    use lopin_gap_path, only : gap_path_type
-   use lopin_mortar_node_2d, only : patch_type
+   use lopin_mortar_patch_2d, only : patch_type
    use lopin_initial_gaps, only : is_moved
    use lopin_mortar_element, only : present_mortar_type, mortar_anchor_type, new_present_mortar
    implicit none

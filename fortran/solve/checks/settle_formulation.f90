@@ -2,11 +2,14 @@
 !>
 !> At the nodes is what a pair is that says nothing. Where facets do not match it is carried out
 !> surface to surface: pressures and forces are right then, at .4 to 1.9 times the time
-!> (docs/which-method.md). Parts of a run with new meshes stay at the nodes, one like the other.
+!> (docs/which-method.md). So it is under NLGEOM where facets match at the start: they slide, and
+!> nodes that come to joints of facets all at once find no equilibrium. Parts of a run with new
+!> meshes stay at the nodes, one like the other.
 module lopin_settle_formulation
    use lopin_error, only : error_type, log_type, severity
    use lopin_kinds, only : wp
-   use lopin_model, only : model_type
+   use lopin_model, only : model_type, surface_of
+   use lopin_mortar_pairs, only : is_mortar
    use lopin_plan, only : plan_type, needs_nonlinear
    use lopin_scene, only : scene_type, meet_surfaces
    use lopin_text, only : to_text
@@ -25,6 +28,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(log_type) :: said
       real(wp) :: uneven(size(model%pair))
+      logical :: match(size(model%pair))
 
       said = scene%log
       call meet_surfaces(scene, model, error)
@@ -32,15 +36,34 @@ contains
       if (.not. any(model%pair%open .and. .not. model%pair%surface_to_surface)) return
       if (is_part(model)) return
       uneven = unevenness(scene, model, model%pair%open)
+      match = uneven < 0.0_wp
+      if (any(model%step%nlgeom)) then
+         where (match .and. may_slide(model)) uneven = 0.0_wp
+      end if
       if (model%mesh%ndim == 3 .or. needs_nonlinear(model)) then
          where (hangs_over(scene, size(uneven))) uneven = -1.0_wp
       end if
       if (.not. any(uneven >= 0.0_wp)) return
       scene%log = said
-      call integrate(scene, model, uneven)
+      call integrate(scene, model, uneven, match)
       plan%reason = plan%reason//'; surface to surface where facets do not match'
+      if (any(match .and. uneven >= 0.0_wp)) plan%reason = plan%reason//', or slide'
       call meet_surfaces(scene, model, error)
    end subroutine settle_formulation
+
+   !> Pairs of two surfaces of solids that say nothing.
+   pure function may_slide(model) result(may)
+      type(model_type), intent(in) :: model
+      logical :: may(size(model%pair))
+      integer :: i
+
+      do i = 1, size(may)
+         associate (p => model%pair(i))
+            may(i) = p%open .and. p%slave /= p%master .and. .not. is_mortar(model, p) .and. all( &
+               & model%surface([p%slave, p%master])%kind == surface_of%faces)
+         end associate
+      end do
+   end function may_slide
 
    !> The mesh is made anew on the way, or was: the next one may match.
    pure logical function is_part(model)
@@ -65,12 +88,14 @@ contains
          & i=1, npair)]
    end function hangs_over
 
-   !> Take pairs surface to surface, and say so: all whose facets do not match. Where the pressure
-   !> of the slave would be even, the master would still have it at the nodes of the slave alone.
-   subroutine integrate(scene, model, uneven)
+   !> Take pairs surface to surface, and say so: all whose facets do not match, or may not once they
+   !> have slid. Where the pressure of the slave would be even, the master would still have it at
+   !> the nodes of the slave alone.
+   subroutine integrate(scene, model, uneven, match)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(inout) :: model
       real(wp), intent(in) :: uneven(:)            !! (pairs)
+      logical, intent(in) :: match(:)              !! (pairs) facets do, at the start
       character(len=:), allocatable :: how
       integer :: pair
 
@@ -78,11 +103,13 @@ contains
          if (uneven(pair) < 0.0_wp) cycle
          associate (p => model%pair(pair))
             p%surface_to_surface = .true.
-            how = 'would press the other side at single nodes'
-            if (uneven(pair) > noticeable) how = 'would make the pressure at its nodes uneven '// &
-               & 'by about '//to_text(100.0_wp*min(uneven(pair), all_of_it), 2)//' %'
+            how = 'facets that do not match would press the other side at single nodes'
+            if (uneven(pair) > noticeable) how = 'facets that do not match would make the '// &
+               & 'pressure at its nodes uneven by about '// &
+               & to_text(100.0_wp*min(uneven(pair), all_of_it), 2)//' %'
+            if (match(pair)) how = 'facets that slide do not match for long'
             call scene%log%say(severity%note, 'N0347', 'pair ('//model%surface(p%slave)%name// &
-               & ', '//model%surface(p%master)%name//'): facets that do not match '//how// &
+               & ', '//model%surface(p%master)%name//'): '//how// &
                & ': carried out surface to surface', p%at, &
                & help='TYPE=NODE TO SURFACE where contact at the nodes is meant')
          end associate
