@@ -16,7 +16,7 @@ from pathlib import Path
 from measure_sources import ROOT, split_comment
 
 FOLDERS = ("fortran", "pydriver", "tests", "decks/make")
-KINDS = (".f90", ".py", ".c", ".txt", ".cmake", ".map")
+KINDS = (".f90", ".inc", ".py", ".c", ".txt", ".cmake", ".map")
 BLOCK = (r"(?:\w+\s*:\s*)?(?:if\b.*\bthen$|do\b|select\s+(?:case|type|rank)\b|associate\s*\(|"
          r"block$|critical$|critical\s*\(|(?:where|forall)\s*\()")
 UNIT = (r"(?:abstract\s+)?interface\b|type\b(?!\s*\()(?!\s+is\b)|enum\b|program\b|submodule\b|"

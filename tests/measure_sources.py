@@ -107,8 +107,11 @@ def folder_of(path: Path) -> str:
 
 
 def read_module(path: Path) -> Module:
-    """Measure one file."""
+    """Measure one file, with the body that it includes if that has its name."""
     text = path.read_text(encoding="utf-8")
+    body = path.with_suffix(".inc")
+    if body.exists():
+        text = text.replace(f"   include '{body.name}'\n", body.read_text(encoding="utf-8"))
     folder = folder_of(path)
     module = Module(path, folder, text)
     module.uses = {u.lower() for u in re.findall(r"^\s*use\s*(?:,\s*\w+\s*)?(?:::)?\s*lopin_(\w+)", text,
