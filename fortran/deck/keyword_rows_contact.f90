@@ -32,8 +32,8 @@ contains
          & 'mortar, each slave node meets the mean of what its share of the surface covers. '// &
          & 'Rigid tools and slaves of nodes: at the nodes in both. A pair without TYPE is '// &
          & 'surface to surface where its facets do not match, and under NLGEOM (N0347); in '// &
-         & 'space, under NLGEOM and where metal flows if the whole slave lies opposite the '// &
-         & 'master; never in a run with new meshes.')
+         & 'space and under NLGEOM if the whole slave lies opposite the master or is of '// &
+         & 'metal; never in a run with new meshes.')
       call refuses(table, 'MASSLESS')
       call flag(table, 'SMALL SLIDING', 'Each slave node keeps the plane it met at the start.')
       call word(table, 'ADJUST', &

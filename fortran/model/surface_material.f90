@@ -1,10 +1,11 @@
 !> The materials behind a surface, and the yield stress that laws of friction read there.
 module lopin_surface_material
    use lopin_kinds, only : wp
+   use lopin_flow_curve, only : flows
    use lopin_model, only : model_type, surface_of
    implicit none
    private
-   public :: pair_materials, slave_yields, youngs_modulus, extreme_moduli
+   public :: pair_materials, is_metal, slave_yields, youngs_modulus, extreme_moduli
 
 contains
 
@@ -34,6 +35,18 @@ contains
          if (k > 0) used(k) = .true.
       end do
    end subroutine mark
+
+   !> The material behind a surface flows.
+   pure logical function is_metal(model, surface)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: surface
+      logical :: used(size(model%material))
+      integer :: k
+
+      used = .false.
+      call mark(model, surface, used)
+      is_metal = any([(used(k) .and. flows(model%material(k)%flow), k=1, size(used))])
+   end function is_metal
 
    !> The elements behind a surface: those of its faces, or those that hold its nodes.
    pure subroutine find_elements(model, surface, behind)

@@ -77,6 +77,10 @@ def test_a_shaft_turns_in_its_hub(solve, sheet, name, options):
 def test_a_shaft_in_straight_chords(solve, sheet):
     """What smoothing is for: chords of 48 facets stand off the circle by 6 interferences."""
     p, _, _ = pressures_and_torques(solve(rings(angle=6.0, increments=6, start=1.3)))
+    sheet.compare("D5 rotating rings", "straight facets, surface to surface (no TYPE): largest "
+                  "pressure over the exact one", p[:, 1].max()/PRESSURE, 1.0, 0.03, "Lame")
+    p, _, _ = pressures_and_torques(solve(rings(angle=6.0, increments=6, start=1.3,
+                                                words=", TYPE=NODE TO SURFACE")))
     sheet.compare("D5 rotating rings",
                   "straight facets, node to segment: largest pressure over the exact one",
                   p[:, 1].max()/PRESSURE, 2.0, 0.0, "a property of the method", at_least=True)

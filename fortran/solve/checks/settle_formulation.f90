@@ -13,6 +13,7 @@ module lopin_settle_formulation
    use lopin_plan, only : plan_type, needs_nonlinear
    use lopin_scene, only : scene_type, meet_surfaces
    use lopin_text, only : to_text
+   use lopin_surface_material, only : is_metal
    use lopin_uneven_pressure, only : unevenness, noticeable, all_of_it
    implicit none
    private
@@ -41,7 +42,7 @@ contains
          where (match .and. may_slide(model)) uneven = 0.0_wp
       end if
       if (model%mesh%ndim == 3 .or. needs_nonlinear(model)) then
-         where (hangs_over(scene, size(uneven))) uneven = -1.0_wp
+         where (hangs_over(scene, model)) uneven = -1.0_wp
       end if
       if (.not. any(uneven >= 0.0_wp)) return
       scene%log = said
@@ -75,17 +76,21 @@ contains
          & .or. size(model%initial_traction) > 0
    end function is_part
 
-   !> Some nodes of the slave have nothing opposite. Where the master ends within its facets, as a
-   !> leaf of a spring does, the line of contact is narrower than these, and their means stand for
-   !> more of it than the nodes do.
-   pure function hangs_over(scene, npair) result(hangs)
+   !> Some nodes of an elastic slave have nothing opposite. Where the master ends within its facets,
+   !> as a leaf of a spring does, the line of contact is narrower than these, and their means stand
+   !> for more of it than the nodes do. Metal bears evenly there.
+   pure function hangs_over(scene, model) result(hangs)
       type(scene_type), intent(in) :: scene
-      integer, intent(in) :: npair
-      logical :: hangs(npair)
+      type(model_type), intent(in) :: model
+      logical :: hangs(size(model%pair))
       integer :: i
 
-      hangs = [(any(scene%points%facet(scene%points%first(i):scene%points%first(i + 1) - 1) == 0), &
-         & i=1, npair)]
+      do i = 1, size(hangs)
+         associate (first => scene%points%first(i), last => scene%points%first(i + 1) - 1)
+            hangs(i) = any(scene%points%facet(first:last) == 0) &
+               & .and. .not. is_metal(model, model%pair(i)%slave)
+         end associate
+      end do
    end function hangs_over
 
    !> Take pairs surface to surface, and say so: all whose facets do not match, or may not once they

@@ -7,10 +7,10 @@ module lopin_edge_advice
    use lopin_cells, only : cell_type
    use lopin_element_type, only : cells_of_words
    use lopin_facets, only : facets_type, new_facets
-   use lopin_flow_curve, only : flows
    use lopin_model, only : model_type, pair_type, surface_of
    use lopin_text, only : to_text
    use lopin_scene, only : scene_type
+   use lopin_surface_material, only : is_metal
    implicit none
    private
    public :: exchange_at_edges
@@ -57,24 +57,6 @@ contains
          & .or. model%surface(pair%master)%kind /= surface_of%faces) return
       presses_on_metal = is_metal(model, pair%master) .and. .not. is_metal(model, pair%slave)
    end function presses_on_metal
-
-   !> The material behind a surface flows.
-   pure logical function is_metal(model, surface)
-      type(model_type), intent(in) :: model
-      integer, intent(in) :: surface
-      integer :: i, section
-
-      is_metal = .false.
-      associate (s => model%surface(surface))
-         do i = 1, size(s%element)
-            section = model%mesh%section(s%element(i))
-            if (section == 0) cycle
-            if (model%section(section)%material == 0) cycle
-            is_metal = flows(model%material(model%section(section)%material)%flow)
-            if (is_metal) return
-         end do
-      end associate
-   end function is_metal
 
    !> Corners of a surface of faces where it ends: of edges, in the plane ends, of one facet alone.
    subroutine find_edge(model, surface, on_edge)
