@@ -13,5 +13,7 @@ module lopin_mortar_node_2d
    use lopin_mortar_patch_2d, only : patch_type, most_facets
    use lopin_mortar_cells_2d, only : segment_type, integrate_segment, line_shape
    use lopin_mortar_dual_2d, only : transform, whole, dual_function
+   implicit none
+   private
    include 'mortar_node_2d.inc'
 end module lopin_mortar_node_2d

@@ -56,15 +56,14 @@ contains
       integer, intent(in), optional :: piece(:)    !! (slave facets) of lopin_slave_pieces
       real(wp), intent(in), optional :: middle(:)  !! (slave facets) middle_share; 0
       integer :: facet(most_facets)
-      integer, allocatable :: near(:)              !! local numbers
-      integer, allocatable :: around(:)
+      integer, allocatable :: near(:), around(:)
       integer :: i, k, m, pass, own
 
       self%node = functions%node
       self%function = [(k, k=1, size(functions%node))]
       self%share = functions%share
       self%on = functions%piece
-      near = [(findloc(slave%node, self%node(k), 1), k=1, size(self%node))]
+      near = self%node
       do pass = 1, 2
          around = facets_around(slave, near)
          do m = 1, size(around)
@@ -73,19 +72,18 @@ contains
             if (any(facet(:self%nchain) == i)) cycle
             own = 1
             if (present(piece)) own = piece(i)
-            associate (local => slave%local(:slave%facets%nnode(i), i))
+            associate (nodes => slave%facets%node(:slave%facets%nnode(i), i))
                if (pass == 1) then
-                  if (.not. any([(any(local == near(k) .and. self%on(k) == own), &
+                  if (.not. any([(any(nodes == near(k) .and. self%on(k) == own), &
                      & k=1, size(self%on))])) cycle
                end if
-               call add_chain(self, slave%node(local), pass == 1, own)
+               call add_chain(self, nodes, pass == 1, own)
             end associate
             facet(self%nchain) = i
             if (present(middle)) self%middle(self%nchain) = middle(i)
          end do
          if (pass == 2) exit
-         near = [near, [(slave%local(:slave%facets%nnode(facet(k)), facet(k)), &
-            & k=1, self%nchain)]]
+         near = self%node
          call add_covers(self, master, list, facet(:self%nchain))
       end do
    end subroutine new_patch
@@ -93,19 +91,24 @@ contains
    !> Facets that have one of some nodes, in their order.
    pure function facets_around(slave, near) result(around)
       type(surface_type), intent(in) :: slave
-      integer, intent(in) :: near(:)               !! local numbers
+      integer, intent(in) :: near(:)               !! of the mesh
       integer, allocatable :: around(:)
-      integer :: k, m
+      integer :: i, k, m
 
       allocate (around(0))
       do k = 1, size(near)
-         associate (first => slave%ring_first(near(k)), last => slave%ring_first(near(k) + 1) - 1)
-            do m = first, last
+         i = findloc(slave%node, near(k), 1)
+         ! Where pieces meet a node stands in the list once for each of them.
+         do while (i > 0 .and. i <= slave%nnode)
+            if (slave%node(i) /= near(k)) exit
+            do m = slave%ring_first(i), slave%ring_first(i + 1) - 1
                call take(slave%ring(m))
             end do
             ! Rings are of corners; the middle of a facet is of that alone.
-            if (last < first) call take(findloc(slave%local(3, :), near(k), 1))
-         end associate
+            if (slave%ring_first(i + 1) == slave%ring_first(i)) &
+               & call take(findloc(slave%local(3, :), i, 1))
+            i = i + 1
+         end do
       end do
 
    contains
@@ -161,7 +164,7 @@ contains
       end do
    end subroutine add_covers
 
-   !> Overlaps stand in the order of their slave facets.
+   !> Overlaps stand in the order of their slave facets: the first of one.
    pure integer function first_of(list, facet) result(first)
       type(overlap_list_type), intent(in) :: list
       integer, intent(in) :: facet

@@ -21,7 +21,7 @@ from ..run import check
 from .body import Body, DeckParts, read_body
 from .card import RemeshCard
 from .join import has_whole_results
-from .part import Clock
+from .part import Clock, at_nodes
 from .plane import worst_corner
 from .refusals import refuse_shared_elements, refuse_what_stays_behind
 from .remake import remake
@@ -116,7 +116,8 @@ class Runner:
 
     def _first_deck(self) -> Deck:
         """The deck without *REMESH, with its includes in their place."""
-        blocks = [counted(b) for b in DeckParts.of(self.deck).blocks if b.keyword != "REMESH"]
+        blocks = [at_nodes(counted(b)) for b in DeckParts.of(self.deck).blocks
+                  if b.keyword != "REMESH"]
         deck = Deck(blocks, preamble=self.deck.preamble, name=part_name(self.deck.name, 1),
                     folder=self.output)
         return named_from(deck, self.deck.folder)

@@ -138,6 +138,15 @@ def next_deck(parts: DeckParts, body: Body, mesh: NewMesh, name: str, folder: Pa
     return deck
 
 
+def at_nodes(block: Block) -> Block:
+    """A pair that says no TYPE, as all parts have it: their tractions go from node to node."""
+    if block.keyword != "CONTACT PAIR" or {"TYPE", "TIED"} & set(block.parameters):
+        return block
+    new = Block(block.keyword, {**block.parameters, "TYPE": "NODE TO SURFACE"})
+    new.lines = block.lines
+    return new
+
+
 def _is_temperature(block: Block) -> bool:
     """Temperatures of the start: a part begins with those too."""
     return str(plain(block.parameters.get("TYPE", ""))).upper() == "TEMPERATURE"
