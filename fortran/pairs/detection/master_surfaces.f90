@@ -180,8 +180,10 @@ contains
             end if
          end associate
       end do
-      if (start) call find_sides(self, model, points)
-      if (start .and. any(is_self_contact(model%pair))) self%start_x = self%x
+      if (start) then
+         self%start_x = self%x
+         call find_sides(self, model, points)
+      end if
       do pair = 1, size(model%pair)
          if (is_self_contact(model%pair(pair)) .and. .not. self%of(pair)%against_itself) &
             & call know_itself(self, model, points, pair)

@@ -247,12 +247,12 @@ contains
       end do
       call find_growth(self, model)
       if (size(self%face) > 0) then
-         if (.not. allocated(self%start_x)) then
-            self%start_x = self%masters%x
+         if (.not. allocated(self%face_met)) then
+            self%masters%start_x = self%masters%x
             self%face_met = spread(.false., 1, size(self%face))
          end if
          call find_inner_feet(self%opposite, self%masters, self%nonlinear_points_type, model, &
-            & self%start_x, self%face_met)
+            & self%masters%start_x, self%face_met)
       end if
    end subroutine detect_all
 

@@ -66,10 +66,9 @@ contains
       call set_slopes(self, accepted%stiffer)
       call follow_areas(self, model)
       if (size(self%face) > 0) then
-         self%start_x = self%masters%x
          self%face_met = spread(.false., 1, size(self%face))
          call find_inner_feet(self%opposite, self%masters, self%nonlinear_points_type, model, &
-            & self%start_x, self%face_met)
+            & self%masters%start_x, self%face_met)
       end if
       self%start_u = u
       call start_approach(self)

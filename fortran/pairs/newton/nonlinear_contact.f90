@@ -79,7 +79,6 @@ module lopin_nonlinear_contact
       real(wp), allocatable :: start_normal(:, :)   !! (3, n) where the increment begins
       real(wp), allocatable :: start_gap(:)    !! (n) there; huge: nothing opposite [length]
       real(wp), allocatable :: start_row(:)    !! (n) there, rows with points in facets [length]
-      real(wp), allocatable :: start_x(:, :)   !! (ndim, nnode) places then, if needed [length]
       logical, allocatable :: face_met(:)      !! (face) see lopin_nonlinear_faces
       real(wp), allocatable :: start_u(:)      !! (ndof) displacements then [length]
       type(gap_path_type) :: path              !! of the increment, where points go far

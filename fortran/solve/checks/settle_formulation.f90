@@ -8,13 +8,12 @@
 module lopin_settle_formulation
    use lopin_error, only : error_type, log_type, severity
    use lopin_kinds, only : wp
-   use lopin_model, only : model_type, surface_of
-   use lopin_mortar_pairs, only : is_mortar
+   use lopin_model, only : model_type
    use lopin_plan, only : plan_type, needs_nonlinear
    use lopin_scene, only : scene_type, meet_surfaces
    use lopin_text, only : to_text
    use lopin_surface_material, only : is_metal
-   use lopin_uneven_pressure, only : unevenness, noticeable, all_of_it
+   use lopin_uneven_pressure, only : unevenness, is_at_nodes, noticeable, all_of_it
    implicit none
    private
    public :: settle_formulation
@@ -30,6 +29,7 @@ contains
       type(log_type) :: said
       real(wp) :: uneven(size(model%pair))
       logical :: match(size(model%pair))
+      integer :: i
 
       said = scene%log
       call meet_surfaces(scene, model, error)
@@ -39,7 +39,8 @@ contains
       uneven = unevenness(scene, model, model%pair%open)
       match = uneven < 0.0_wp
       if (any(model%step%nlgeom)) then
-         where (match .and. may_slide(model)) uneven = 0.0_wp
+         where (match .and. [(model%pair(i)%open .and. is_at_nodes(model, model%pair(i)), &
+            & i=1, size(match))]) uneven = 0.0_wp
       end if
       if (model%mesh%ndim == 3 .or. needs_nonlinear(model)) then
          where (hangs_over(scene, model)) uneven = -1.0_wp
@@ -51,20 +52,6 @@ contains
       if (any(match .and. uneven >= 0.0_wp)) plan%reason = plan%reason//', or slide'
       call meet_surfaces(scene, model, error)
    end subroutine settle_formulation
-
-   !> Pairs of two surfaces of solids that say nothing.
-   pure function may_slide(model) result(may)
-      type(model_type), intent(in) :: model
-      logical :: may(size(model%pair))
-      integer :: i
-
-      do i = 1, size(may)
-         associate (p => model%pair(i))
-            may(i) = p%open .and. p%slave /= p%master .and. .not. is_mortar(model, p) .and. all( &
-               & model%surface([p%slave, p%master])%kind == surface_of%faces)
-         end associate
-      end do
-   end function may_slide
 
    !> The mesh is made anew on the way, or was: the next one may match.
    pure logical function is_part(model)

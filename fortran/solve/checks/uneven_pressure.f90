@@ -19,7 +19,7 @@ module lopin_uneven_pressure
    use lopin_contact_patch, only : patch_type, new_patch, solve_patch
    use lopin_element_type, only : cells_of_words
    use lopin_error, only : error_type, severity
-   use lopin_model, only : model_type, surface_of
+   use lopin_model, only : model_type, pair_type, surface_of
    use lopin_flat_elements, only : is_ring
    use lopin_mortar_pairs, only : is_mortar, shape_of
    use lopin_scene, only : scene_type
@@ -28,7 +28,7 @@ module lopin_uneven_pressure
    use lopin_uniform_pressure, only : share_pressure
    implicit none
    private
-   public :: warn_of_uneven_pressure, unevenness, noticeable, all_of_it
+   public :: warn_of_uneven_pressure, unevenness, is_at_nodes, noticeable, all_of_it
 
    !> Unevenness that is said; more than this may open the contact.
    real(wp), parameter :: noticeable = 0.02_wp, all_of_it = 1.0_wp
@@ -90,9 +90,7 @@ contains
       do pair = 1, size(model%pair)
          associate (p => model%pair(pair), first => scene%points%first(pair), &
             & last => scene%points%first(pair + 1) - 1)
-            if (.not. wanted(pair) .or. p%slave == p%master .or. is_mortar(model, p)) cycle
-            if (any([model%surface(p%slave)%kind, model%surface(p%master)%kind] &
-               & /= surface_of%faces)) cycle
+            if (.not. (wanted(pair) .and. is_at_nodes(model, p))) cycle
             if (.not. any(scene%points%facet(first:last) > 0)) cycle
             if (.not. allocated(cells)) call cells_of_words(model%element_word, cells)
             call shape_of(slave, model, cells, p%slave, error)
@@ -114,6 +112,15 @@ contains
          end associate
       end do
    end function unevenness
+
+   !> Two meshes, one at the nodes of the other.
+   pure logical function is_at_nodes(model, pair)
+      type(model_type), intent(in) :: model
+      type(pair_type), intent(in) :: pair
+
+      is_at_nodes = pair%slave /= pair%master .and. .not. is_mortar(model, pair) .and. all( &
+         & model%surface([pair%slave, pair%master])%kind == surface_of%faces)
+   end function is_at_nodes
 
    !> Every slave node lies over a node of the master, and these are all that lie between them.
    pure logical function are_matched(slave, master, facet, shape)
