@@ -215,7 +215,7 @@ contains
             ! Facets in the middle meet the polygon with all nodes.
             if (.not. all([(allocated(contact%opposite(face%point(k))%inner), k=1, face%nnode)])) &
                & cycle
-            call points_of_face(inside, face, model, contact%start_x)
+            call points_of_face(inside, face, model, contact%masters%start_x)
             do q = 1, inside%n
                place = 0.0_wp
                place(:d) = matmul(contact%masters%x(:, node), inside%shape(:, q)) - up
