@@ -14,6 +14,11 @@ from lopin import mesh_make
 from lopin.mesh import together
 
 
+#: The upper half of the closed die, closed: corners (r, z) and their fillets [mm].
+CLOSED_DIE = [(40.0, 5.0, 0.0), (27.5, 5.0, 0.0), (26.5, 1.0, 0.5), (20.0, 1.0, 1.5),
+              (20.0 - 6.0*tan(20.0*pi/180.0), 7.0, 2.0), (-1.0, 7.0, 0.0)]
+
+
 def segments(name: str, corners: list[tuple[float, float, float]]) -> str:
     """A rigid profile through corners (r, z, fillet radius); the material is on its left."""
     lines = [f"*SURFACE, NAME={name}, TYPE=SEGMENTS",
@@ -42,9 +47,6 @@ def direction(start, end) -> tuple[float, float]:
 
 def hot_disc(comment: str, cells: int, stroke: float, stop: float, card: str = "") -> str:
     """A disc between two equal dies that come together by `stroke`; they stop before, at `stop`."""
-    draft = 6.0*tan(20.0*pi/180.0)
-    die = [(40.0, 5.0, 0.0), (27.5, 5.0, 0.0), (26.5, 1.0, 0.5), (20.0, 1.0, 1.5),
-           (20.0 - draft, 7.0, 2.0), (-1.0, 7.0, 0.0)]
     billet = mesh_make.block((15.0, 12.0), (cells, round(0.8*cells)))
     skin = np.concatenate([billet.surfaces["TOP"], billet.surfaces["RIGHT"]])
     billet = billet.replaced(surfaces={"SKIN": skin})
@@ -57,7 +59,7 @@ def hot_disc(comment: str, cells: int, stroke: float, stop: float, card: str = "
 *SOLID SECTION, ELSET=BILLET, MATERIAL=HOT
 *NODE, NSET=DIE_REF
 900001, 0., 20.
-{segments("DIE", [(r, z + stroke, f) for r, z, f in die])}*RIGID BODY, ANALYTICAL SURFACE=DIE, REF NODE=DIE_REF
+{segments("DIE", [(r, z + stroke, f) for r, z, f in CLOSED_DIE])}*RIGID BODY, ANALYTICAL SURFACE=DIE, REF NODE=DIE_REF
 *SURFACE INTERACTION, NAME=GRAPHITE
 *SURFACE BEHAVIOR, DIRECT
 *FRICTION

@@ -3,7 +3,7 @@
     python tests/benchmarks/closed_die_chords.py
 
 Writes the table between its marks in docs/forming.md: a quarter of `closed_die` in space, forces at
-two strokes beside those of the analytic tool, increments, what was said of folding.
+three strokes beside those of the analytic tool, increments, what was said of folding.
 """
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT/"docs"/"forming.md"
 BEGIN, END = "<!-- closed die by chords -->", "<!-- end of closed die by chords -->"
 sys.path.insert(0, str(ROOT/"decks"/"make"))
+from forging import CLOSED_DIE, segments  # noqa: E402
 from tools import binary  # noqa: E402
 
 import lopin  # noqa: E402
@@ -27,42 +28,29 @@ from lopin.model import Model  # noqa: E402
 SPEED, STOP, STROKE = 50.0, 4.95, 5.0    #: [mm/s], [mm], [mm] until the dies meet
 ERRORS = (0.0125, 0.05, 0.2)             #: of chords [mm]
 AT = (4.5, 4.9, 4.95)                    #: strokes at which forces are compared [mm]
-#: Corners (r, z) of the upper die, closed, and the radius of each.
-CORNERS = [(40.0, 5.0, 0.0), (27.5, 5.0, 0.0), (26.5, 1.0, 0.5), (20.0, 1.0, 1.5),
-           (20.0 - 6.0*math.tan(math.radians(20.0)), 7.0, 2.0), (-1.0, 7.0, 0.0)]
 
 
-def fillets() -> list[tuple]:
-    """Points of the profile: ends of lines, and (start, end, centre) of arcs."""
-    rows = [CORNERS[0][:2]]
-    for before, (r, z, radius), after in zip(CORNERS, CORNERS[1:], CORNERS[2:]):
-        if not radius:
-            rows.append((r, z))
-            continue
-        corner = np.array([r, z])
-        a, b = (np.array(p[:2]) - corner for p in (before, after))
-        a, b = a/np.hypot(*a), b/np.hypot(*b)
-        half = 0.5*math.acos(a @ b)
-        along = (a + b)/np.hypot(*(a + b))
-        rows.append((corner + a*radius/math.tan(half), corner + b*radius/math.tan(half),
-                     corner + along*radius/math.sin(half)))
-    return rows + [CORNERS[-1][:2]]
+def rows_of_die() -> list[list[float]]:
+    """The upper die where it starts: ends of lines (r, z), and of arcs with their centres
+    (r, z, r, z)."""
+    lines = segments("DIE", [(max(r, 0.0), z + STROKE, f) for r, z, f in CLOSED_DIE]).splitlines()
+    return [[float(v) for v in line.split(",")[1:]] for line in lines[1:]]
 
 
 def chords(error: float) -> np.ndarray:
     """The profile as a polygon no farther than `error` from it."""
     points: list = []
-    for row in fillets():
-        if len(row) == 2:
-            points.append(row)
+    for r, z, *centre in rows_of_die():
+        if not centre:
+            points.append((r, z))
             continue
-        start, end, centre = row
-        radius = np.hypot(*(start - centre))
-        first, last = (math.atan2(*(p - centre)[::-1]) for p in (start, end))
+        ends = np.array([points[-1], (r, z)]) - centre
+        radius = np.hypot(*ends[0])
+        first, last = np.arctan2(ends[:, 1], ends[:, 0])
         turn = (last - first + math.pi) % (2.0*math.pi) - math.pi
         n = max(1, math.ceil(abs(turn)/(2.0*math.acos(1.0 - min(error/radius, 1.0)))))
-        points += [centre + radius*np.array([math.cos(a), math.sin(a)])
-                   for a in first + turn*np.linspace(0.0, 1.0, n + 1)]
+        points += [np.array(centre) + radius*np.array([math.cos(a), math.sin(a)])
+                   for a in first + turn*np.linspace(0.0, 1.0, n + 1)[1:]]
     return np.array(points, float)
 
 
@@ -88,20 +76,13 @@ def forged(cells: tuple[int, int], error: float, folder: Path) -> dict:
     model = Model("die", mesh_make.cylinder(15.0, 12.0, cells, part="quarter"), kind="3d")
     model.section("ALL", Material(Elastic(150000.0, 0.3), NortonHoff(50.0, 0.15)))
     if error:
-        points = chords(error)
-        points[-1, 0] = 0.0
-        facets = turned(points + [0.0, STROKE], error)
-        (folder/"die.stl").write_bytes(binary(facets))
+        (folder/"die.stl").write_bytes(binary(turned(chords(error), error)))
         shape = profile.stl(folder/"die.stl", is_open=True)
     else:
-        rows = fillets()
-        shape = profile.start(rows[0][0], rows[0][1] + STROKE)
-        for row in rows[1:]:
-            if len(row) == 2:
-                shape = shape.line_to(max(row[0], 0.0), row[1] + STROKE)
-            else:
-                start, end, centre = (p + [0.0, STROKE] for p in row)
-                shape = shape.line_to(*start).arc_to(*end, tuple(centre))
+        first, *rows = rows_of_die()
+        shape = profile.start(*first)
+        for r, z, *centre in rows:
+            shape = shape.arc_to(r, z, tuple(centre)) if centre else shape.line_to(r, z)
         shape = shape.revolved((0.0, 0.0, 0.0), (0.0, 0.0, 1.0))
     die = model.rigid_tool("DIE", shape, ref=(0.0, 0.0, 20.0))
     for side in ("TOP", "ARC"):
