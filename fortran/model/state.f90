@@ -139,6 +139,8 @@ module lopin_state
       logical :: at_end = .false.              !! the last increment of the step is accepted
       real(wp) :: increment = 0.0_wp           !! to be tried next [time]
       real(wp) :: usual = 0.0_wp               !! largest of the last ones accepted [time]
+      integer :: vain_motions = 0              !! slow motions without rest, since an increment as long
+      real(wp) :: vain = 0.0_wp                !! as the longest of theirs was accepted [time]
       real(wp) :: parts_from = 0.0_wp          !! time of the step when contact begins, and
       real(wp) :: parts_until = 0.0_wp         !! up to which it goes by parts [time]
       real(wp) :: part = 0.0_wp                !! of an increment in which contact began [time]
@@ -209,6 +211,8 @@ contains
 
       self%motion%last_dt = 0.0_wp
       self%clock%usual = 0.0_wp
+      self%clock%vain_motions = 0
+      self%clock%vain = 0.0_wp
       if (allocated(self%contact%eased)) deallocate (self%contact%eased, self%contact%steepest)
       self%solids%finite_strain = finite_strain
    end subroutine begin_step_of
@@ -365,6 +369,8 @@ contains
       call stream%pass(self%at_end)
       call stream%pass(self%increment)
       call stream%pass(self%usual)
+      call stream%pass(self%vain_motions)
+      call stream%pass(self%vain)
       call stream%pass(self%parts_from)
       call stream%pass(self%parts_until)
       call stream%pass(self%part)

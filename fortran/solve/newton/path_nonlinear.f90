@@ -65,6 +65,7 @@ contains
       scene%newton%separated = .false.
       scene%newton%faded = .false.
       scene%newton%jumped = .false.
+      scene%newton%in_vain = .false.
       scene%newton%iterations = 0
       scene%newton%grounded = 0
       scene%newton%augmentations = 0
@@ -254,6 +255,7 @@ contains
       call add_line(scene%newton, '  slow motion from the accepted state')
       call solve_from(scene, model, f, iterate, prescribed, way_of%pseudo_transient, failed)
       if (allocated(failed)) then
+         scene%newton%in_vain = .true.
          if (failed%code /= error_code%not_converged) call move_alloc(failed, error)
          return
       end if

@@ -130,6 +130,10 @@ contains
          if (.not. may_cut(run%plan, scene, error)) return
          call reject(scene)
          call tell_of_cut(scene, model, frame, error%item(1)%message)
+         if (scene%newton%in_vain) then
+            clock%vain_motions = clock%vain_motions + 1
+            clock%vain = max(clock%vain, clock%increment)
+         end if
          begin = 'step '//to_text(scene%step)//', increment '//to_text(frame%increment)
          if (error%item(1)%id == order_id) then
             call go_by_parts(clock, scene%first_touch)
@@ -170,6 +174,10 @@ contains
       associate (scene => run%scene, frame => run%frame, clock => run%scene%accepted%clock, &
          & step => model%step(run%scene%step))
          clock%usual = max(clock%increment, fading*clock%usual)
+         if (scene%newton%jumped .or. .not. clock%increment < clock%vain) then
+            clock%vain_motions = 0
+            clock%vain = 0.0_wp
+         end if
          if (self%turns) clock%increment = self%wanted
          if (step%direct) clock%increment = step%initial
          if (step%direct .and. self%turns) then

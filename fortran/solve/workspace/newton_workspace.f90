@@ -72,6 +72,7 @@ module lopin_newton_workspace
       logical :: rests = .false.               !! a part of a run begins: nothing moves but what its
                                                !! mesh leaves out of balance
       logical :: jumped = .false.              !! it was ended by slow motion
+      logical :: in_vain = .false.             !! slow motion has come to no rest
       logical :: cycled = .false.              !! Newton came back to the same sets of contact
       real(wp), allocatable :: history(:)      !! residual by iteration, beside the largest force
       integer :: nline = 0
