@@ -139,8 +139,8 @@ module lopin_state
       logical :: at_end = .false.              !! the last increment of the step is accepted
       real(wp) :: increment = 0.0_wp           !! to be tried next [time]
       real(wp) :: usual = 0.0_wp               !! largest of the last ones accepted [time]
-      integer :: vain_motions = 0              !! slow motions without rest, since an increment as long
-      real(wp) :: vain = 0.0_wp                !! as the longest of theirs was accepted [time]
+      integer :: vain_motions = 0              !! slow motions without rest, since an increment
+      real(wp) :: vain = 0.0_wp                !! as long as the longest of theirs [time] ended
       real(wp) :: parts_from = 0.0_wp          !! time of the step when contact begins, and
       real(wp) :: parts_until = 0.0_wp         !! up to which it goes by parts [time]
       real(wp) :: part = 0.0_wp                !! of an increment in which contact began [time]

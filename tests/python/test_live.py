@@ -43,12 +43,12 @@ def in_a_pipe(executable, *words):
 
 
 def many_increments(root, place):
-    """A deck of 500 increments: under way for seconds, however fast or busy the machine."""
+    """A deck of 250 increments: under way for a second, however fast or busy the machine."""
     text = (root/"decks"/"beam_over_corner.inp").read_text()
     assert "0.05, 1., 1.E-5, 0.05" in text
     deck = place/"beam_over_corner.inp"
-    deck.write_text(text.replace("0.05, 1., 1.E-5, 0.05", "0.002, 1., 1.E-5, 0.002")
-                    .replace("INC=200", "INC=2000"))
+    deck.write_text(text.replace("0.05, 1., 1.E-5, 0.05", "0.004, 1., 1.E-5, 0.004")
+                    .replace("INC=200", "INC=1000"))
     return deck
 
 

@@ -52,7 +52,7 @@ CDIS, CSTR
 
 
 #: By rings of elements in the ring that slips (a - c): energy of a cycle, within; the rest falls with h^2.
-ENERGY = {2: 0.15, 6: 0.02}
+ENERGY = {2: 0.15, 4: 0.04}
 
 
 def build(rings):

@@ -28,10 +28,9 @@ module lopin_pseudo_transient
    private
    public :: pseudo_transient, set_metric
 
-   !> Linear systems that a whole motion may take, and one of a part whose mesh can be made anew. The
-   !> first of an increment that may be cut: of ten that come to rest eight do so in fewer, and
-   !> shorter increments often need none. Each further one that fails lets the next take twice as
-   !> many.
+   !> Linear systems that a whole motion may take, and one of a part whose mesh can be made anew.
+   !> The first of an increment that may be cut: of ten that come to rest eight do so in fewer, and
+   !> shorter increments often need none. Each that fails lets the next take twice as many.
    integer, parameter :: most_systems = 600, most_of_part = 100, most_of_first = 50
    !> Steps of Newton of one implicit step, and how far they bring its residual down.
    integer, parameter :: most_of_step = 12, few = 4
@@ -108,7 +107,8 @@ contains
       tried = huge(1.0_wp)
       systems = 0
       most = merge(most_of_part, most_systems, model%start%step > 0)
-      if (scene%may_cut) most = min(most, most_of_first*2**min(scene%accepted%clock%vain_motions, 8))
+      if (scene%may_cut) most = min(most, &
+         & most_of_first*2**min(scene%accepted%clock%vain_motions, 8))
       do while (systems < most .and. motion%time > least_time &
          & .and. motion%time < most_time)
          call keep_place(motion, scene)
