@@ -156,6 +156,7 @@ contains
       call split_fields(block%line(1), field, n)
       two = .false.
       if (n > 1) call field_real(field(2), material%poisson, log, two)
+      material%given_poisson = material%poisson
       if (.not. material%young > 0.0_wp) call complain(log, 'E0203', "Young's modulus " &
          & //to_text(material%young, 6)//' is not positive', field(1)%at)
       if (two .and. (material%poisson >= 0.5_wp .or. material%poisson <= -1.0_wp)) then

@@ -64,7 +64,7 @@ module lopin_model
       type(location_type) :: at
       logical :: has_elastic = .false.
       real(wp) :: young = 0.0_wp      !! [stress]
-      real(wp) :: poisson = 0.0_wp    !! [-]
+      real(wp) :: poisson = 0.0_wp, given_poisson = 0.0_wp   !! in force, and of *ELASTIC [-]
       logical :: green = .false.      !! under NLGEOM in Green's strain, not in logarithmic
       real(wp) :: density = 0.0_wp    !! [mass/length^3]
       logical :: has_neo_hooke = .false.

@@ -7,6 +7,7 @@
 !>
 !> The mean is over the volume around a point in the present shape, by Bazant's bell
 !> (1 - (r/width)^2)^2, which counts as much as a uniform mean over 16/15 of `width` along a line.
+!> It ends at the skin of the body and where another material begins.
 module lopin_damage
    use lopin_kinds, only : wp
    use lopin_mesh, only : mesh_type
@@ -18,6 +19,7 @@ module lopin_damage
    use lopin_recover_nonlinear, only : recover_nonlinear
    use lopin_point_states, only : states_of_points
    use lopin_point_bins, only : point_bins_type
+   use lopin_bodies, only : bodies_type, connect
    implicit none
    private
    public :: damage_kinds, is_averaged, new_damage, grow_damage, mean_damage, criterion_of
@@ -134,7 +136,8 @@ contains
             step = max(0.0_wp, after%value(row, p:q) - before%value(row, p:q))
             from = self%first_point(e)
             do k = 1, size(kinds)
-               call add(criterion_of(model, model%mesh%section(e), kinds(k)), group%poisson, &
+               call add(criterion_of(model, model%mesh%section(e), kinds(k)), &
+                  & contraction_of(model, model%mesh%section(e)), &
                   & before%damage(2*k - 1:2*k, p:q), after%damage(2*k - 1:2*k, p:q))
             end do
          end associate
@@ -161,6 +164,17 @@ contains
       end subroutine add
    end subroutine grow_damage
 
+   !> Poisson's ratio that the deck gives a section; of a rigid one without *ELASTIC that of its
+   !> moduli [-].
+   pure real(wp) function contraction_of(model, section) result(poisson)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: section
+
+      associate (material => model%material(model%section(section)%material))
+         poisson = merge(material%given_poisson, material%poisson, material%has_elastic)
+      end associate
+   end function contraction_of
+
    !> Displacements by node [length].
    pure function nodal(self, motion) result(u)
       type(solids_type), intent(in) :: self
@@ -183,23 +197,18 @@ contains
       real(wp), contiguous, intent(in) :: u(:)         !! (n) displacements by equation [length]
       type(solids_state_type), intent(in) :: memory    !! accepted with them
       real(wp), allocatable, intent(out) :: mean(:, :) !! (criterion, column)
-      type(damage_type) :: criterion
       type(point_bins_type) :: bins
       real(wp), allocatable :: table(:, :), width(:)
-      integer, allocatable :: kinds(:), other(:)
-      integer :: e, k, j
+      integer, allocatable :: kinds(:), other(:), body(:), material(:)
+      integer :: k, j
       real(wp) :: weight
 
       allocate (kinds, source=damage_kinds(model))
       mean = memory%damage(1::2, :)
       allocate (width(size(memory%damage, 2)))
+      call find_owners(model, memory%first, body, material)
       do k = 1, size(kinds)
-         width = 0.0_wp
-         do e = 1, model%mesh%nelement
-            if (memory%first(e + 1) == memory%first(e)) cycle
-            criterion = criterion_of(model, model%mesh%section(e), kinds(k))
-            width(memory%first(e):memory%first(e + 1) - 1) = criterion%width
-         end do
+         call find_widths(model, memory%first, kinds(k), width)
          if (.not. any(width > 0.0_wp)) cycle
          if (.not. allocated(table)) call states_of_points(self, model%mesh, u, memory, table)
          call bins%fill(table(3:5, :), maxval(width))
@@ -215,14 +224,14 @@ contains
 
    contains
 
-      !> Points of metal that counts by the same width.
+      !> Points of the same metal in the same body.
       subroutine add_bell(other, j)
          integer, intent(in) :: other(:), j
          integer :: i
          real(wp) :: far, share
 
          do i = 1, size(other)
-            if (width(other(i)) < width(j) .or. width(other(i)) > width(j)) cycle
+            if (body(other(i)) /= body(j) .or. material(other(i)) /= material(j)) cycle
             far = sum((table(3:5, other(i)) - table(3:5, j))**2)/width(j)**2
             if (far >= 1.0_wp) cycle
             share = (1.0_wp - far)**2*table(6, other(i))
@@ -231,4 +240,38 @@ contains
          end do
       end subroutine add_bell
    end subroutine mean_damage
+
+   !> The body and the material of each column of a memory.
+   subroutine find_owners(model, first, body, material)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: first(:)          !! (nelement + 1) columns of elements
+      integer, allocatable, intent(out) :: body(:), material(:)
+      type(bodies_type) :: bodies
+      integer :: e
+
+      call connect(bodies, model)
+      allocate (body(first(size(first)) - 1), material(first(size(first)) - 1), source=0)
+      do e = 1, model%mesh%nelement
+         if (first(e + 1) == first(e)) cycle
+         body(first(e):first(e + 1) - 1) = bodies%body(model%mesh%conn(1, e))
+         material(first(e):first(e + 1) - 1) = model%section(model%mesh%section(e))%material
+      end do
+   end subroutine find_owners
+
+   !> The width of a criterion at each column of a memory; 0 where it has none [length].
+   subroutine find_widths(model, first, kind, width)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: first(:)          !! (nelement + 1)
+      integer, intent(in) :: kind
+      real(wp), intent(out) :: width(:)
+      type(damage_type) :: criterion
+      integer :: e
+
+      width = 0.0_wp
+      do e = 1, model%mesh%nelement
+         if (first(e + 1) == first(e)) cycle
+         criterion = criterion_of(model, model%mesh%section(e), kind)
+         width(first(e):first(e + 1) - 1) = criterion%width
+      end do
+   end subroutine find_widths
 end module lopin_damage

@@ -83,3 +83,23 @@ def test_metal_is_told_as_well(solve, word, least):
     law = Material(Elastic(2e5, 0.3), Plastic([(200.0, 0.0), (700.0, 1.0)]))
     found = told(solve(cantilever(word, 2, 10.0, law=law, nlgeom=True)))
     assert found > least if least else not found
+
+
+@pytest.mark.parametrize("word, excess", [("CPS4", True), ("CPE4", True), ("C3D8", True),
+                                          ("CPS4I", False), ("CPE8", False), ("C3D8I", False)])
+def test_a_bend_by_heat_that_locks_is_told(solve, word, excess):
+    """A strip warm below and cold above becomes an arc without stress (but across plane strain);
+    locked words reach a third of it."""
+    text = cantilever(word, 2, law=Material(Elastic(2e5, 0.0), name="M", expansion=1e-5)).text()
+    blocks = Deck.parse(text, "beam").blocks
+    rows = [row for block in blocks if block.keyword == "NODE" for row in block.data]
+    height = 3 if word.startswith("C3D") else 2
+    foot = [int(row[0]) for row in rows if row[1] == 0.0 and row[2] in (0.0, 1.0)
+            and row[height] == 0.0]
+    held = f"*BOUNDARY\nLEFT, 1\n{foot[0]}, 2, {height}\n" + f"{foot[-1]}, {height}\n"*(height - 2)
+    warm = "".join(f"{int(row[0])}, {100.0*(0.5 - row[height])!r}\n" for row in rows)
+    cold = "".join(f"{int(row[0])}, 0.\n" for row in rows)
+    text = (text[:text.index("*BOUNDARY")] + held + "*INITIAL CONDITIONS, TYPE=TEMPERATURE\n" + cold
+            + "*STEP\n*STATIC\n*TEMPERATURE\n" + warm + "*END STEP\n")
+    result = solve(Deck.parse(text, "heated"))
+    assert (told(result) > 0.2) == excess

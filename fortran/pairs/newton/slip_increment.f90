@@ -241,6 +241,8 @@ contains
       real(wp), intent(inout) :: v(3)
       real(wp) :: c, axis(3)
 
+      ! What a run starts with has the normal of its start.
+      if (.not. any(abs(from) > 0.0_wp)) return
       c = dot_product(from, to)
       if (.not. c > -0.5_wp .or. .not. any(abs(v) > 0.0_wp)) return
       axis = [from(2)*to(3) - from(3)*to(2), from(3)*to(1) - from(1)*to(3), &

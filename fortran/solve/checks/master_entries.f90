@@ -44,13 +44,13 @@ contains
       type(surface_type), intent(in) :: slave, master
       real(wp), intent(in) :: x(:, :)
       real(wp), intent(in) :: limit            !! deeper is the other side of a thin body [length]
-      real(wp), intent(in) :: shift(:)         !! (nnode) added to the gaps of nodes [length]
+      real(wp), intent(in) :: shift(:)         !! (nnode) added to the gaps of nodes, those of
+                                               !! facets between them by their shape [length]
       type(entry_type), intent(inout) :: entry(:)      !! (slave facets)
       type(tree_type) :: tree
       type(limits_type) :: limits
       type(projection_type) :: found
       real(wp) :: at(3), normal(3), xi(2), low(3), high(3), reach, typical
-      real(wp), allocatable :: offset(:)
       integer :: i, a, b, parts, d
 
       d = slave%ndim
@@ -63,8 +63,6 @@ contains
       low = low - reach
       high = high + reach
       typical = minval(slave%size)
-      offset = [(sum(shift(slave%facets%node(:slave%facets%nnode(i), i)))/slave%facets%nnode(i), &
-         & i=1, slave%facets%n)]
       do i = 1, master%facets%n
          if (any(master%low(:, i) > high) .or. any(master%high(:, i) < low)) cycle
          associate (cell => master%facets%cell(i), basis => master%basis)
@@ -82,7 +80,7 @@ contains
                   if (found%facet == 0) cycle
                   if (dot_product(found%normal, normal) > facing) cycle
                   if (-found%gap < min(limit, thick*slave%size(found%facet))) call add_volume( &
-                     & entry(found%facet), found%gap + offset(found%facet), &
+                     & entry(found%facet), found%gap + between(slave, found, shift), &
                      & (master%size(i)/parts)**(d - 1))
                   if (found%gap < 0.0_wp) call take_place(entry(found%facet), slave, found, x, at, &
                      & normal)
@@ -91,6 +89,17 @@ contains
          end associate
       end do
    end subroutine find_entries
+
+   !> A value of nodes at the foot of a projection.
+   pure real(wp) function between(slave, foot, nodal) result(value)
+      type(surface_type), intent(in) :: slave
+      type(projection_type), intent(in) :: foot
+      real(wp), intent(in) :: nodal(:)         !! (nnode)
+
+      associate (n => slave%facets%nnode(foot%facet))
+         value = dot_product(foot%shape(:n), nodal(slave%facets%node(:n, foot%facet)))
+      end associate
+   end function between
 
    !> A place of the master stands for some of its area.
    pure subroutine add_volume(self, gap, area)

@@ -8,6 +8,7 @@
 !> is what the mesh adds: in elasticity the square of the error in the norm of energy, as far as e*
 !> is the true strain (Zienkiewicz and Zhu 1987). The force of a given way is too high by as much,
 !> since all work is half of both. Of metal it is that of the stress at the end, along its strain.
+!> Strains are less those of free expansion, which no stress goes with.
 module lopin_mesh_work
    use lopin_kinds, only : wp
    use lopin_text, only : to_text
@@ -17,6 +18,7 @@ module lopin_mesh_work
    use lopin_recover_nonlinear, only : recover_nonlinear
    use lopin_recover_stress, only : recover_stress, average_to_nodes
    use lopin_newton_workspace, only : is_nonlinear
+   use lopin_material_memory, only : offset_at
    use lopin_scene, only : scene_type
    use lopin_repeated_messages, only : warn_once, note_once
    implicit none
@@ -44,6 +46,7 @@ contains
       if (.not. work > hardly*whole) return
       if (is_nonlinear(scene%newton)) then
          call recover_nonlinear(scene%solids, model%mesh, u, scene%newton%past, stress, strain)
+         call leave_out_expansion(scene, model%mesh%nelement, strain)
       else
          call recover_stress(scene%solids, model%mesh, u, stress, strain)
       end if
@@ -89,6 +92,26 @@ contains
          end associate
       end subroutine add_section
    end subroutine check_mesh_work
+
+   !> What memories of heated points add to the change of volume, at each point.
+   subroutine leave_out_expansion(scene, nelement, strain)
+      type(scene_type), intent(in) :: scene
+      integer, intent(in) :: nelement
+      real(wp), intent(inout) :: strain(:, :)  !! (6, npoint) [-]
+      integer :: e, k
+
+      associate (past => scene%newton%past, solids => scene%solids)
+         do e = 1, nelement
+            associate (at => solids%first_point(e), own => past%first(e))
+               if (past%first(e + 1) - own /= solids%first_point(e + 1) - at) cycle
+               do k = 0, past%first(e + 1) - own - 1
+                  strain(:3, at + k) = strain(:3, at + k) + past%value(offset_at( &
+                     & solids%group(solids%which(e))%element%nstress), own + k)/3.0_wp
+               end do
+            end associate
+         end do
+      end associate
+   end subroutine leave_out_expansion
 
    !> Of the Gauss points of an element at the start [length^3]; rings by radian.
    pure function volumes(element, x, thickness) result(volume)

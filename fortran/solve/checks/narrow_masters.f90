@@ -80,12 +80,17 @@ contains
       real(wp), intent(in) :: x(:, :)
       real(wp), intent(in) :: work             !! [energy]
       type(entry_type) :: entry(slave%facets%n)
-      real(wp) :: least(size(x, 2)), shift(size(x, 2)), depth, deepest, top, allowed
+      real(wp) :: least(size(x, 2)), shift(size(x, 2)), own(size(x, 2))
+      real(wp) :: depth, deepest, top, allowed
       integer :: i, worst
       logical :: yields
 
       call node_gaps(scene, model, pair, least, shift)
-      call find_entries(slave, master, x, deepest_contact(scene, pair), shift, entry)
+      ! A law that gives way lets the nodes in: what is inside counts from where they are.
+      own = shift
+      if (.not. is_mortar(model, model%pair(pair))) where (least < huge(1.0_wp)) own = shift &
+         & + max(0.0_wp, -least)
+      call find_entries(slave, master, x, deepest_contact(scene, pair), own, entry)
       call check_lost_approach(scene, model, pair, slave%facets, entry, work)
       if (.not. any(entry%depth > rounding*slave%size)) return
       yields = scene%accepted%solids%in_use .and. .not. is_mortar(model, model%pair(pair))
