@@ -110,6 +110,37 @@ def test_means_are_those_of_numpy():
     assert mean[:, 0].max() < 0.95*of[:, 0].max()
 
 
+def test_a_mean_stays_in_its_body():
+    """Two bars a hundredth apart, of which one is pulled."""
+    nodes = [(1 + 5*j + i, x, 0.5*j) for j in range(5)
+             for i, x in enumerate((0.0, 1.0, 1.01, 2.01))]
+    cells = [(j, i) for j in range(4) for i in (0, 2)]
+    lines = ["*NODE", *(f"{n}, {x}, {y}" for n, x, y in nodes), "*ELEMENT, TYPE=CPE4, ELSET=ALL",
+             *(f"{1 + k}, {1 + 5*j + i}, {2 + 5*j + i}, {7 + 5*j + i}, {6 + 5*j + i}"
+               for k, (j, i) in enumerate(cells)),
+             "*NSET, NSET=LOW", *(f"{i}," for i in (1, 2, 3, 4)), "*NSET, NSET=TOP", "21, 22"]
+    text = "\n".join(lines) + "\n" + metal(damage("RICE-TRACEY", 1.0)) + \
+        "*SOLID SECTION, ELSET=ALL, MATERIAL=METAL\n*BOUNDARY\nLOW, 2\n1, 1\n3, 1\n" \
+        "*STEP, NLGEOM\n*STATIC\n.1, 1., 1.E-6, .1\n*BOUNDARY\nTOP, 2, 2, .2\n*END STEP\n"
+    with lopin.open(lopin.Deck.parse(text, "bars")) as job:
+        for _ in job:
+            points = job.points
+    pulled = np.isin(points.element, [1 + k for k, (_, i) in enumerate(cells) if i == 0])
+    assert points.damage[pulled, 2].min() > 0.1
+    assert points.damage_mean[:, 2] == pytest.approx(points.damage[:, 2], rel=1e-6, abs=1e-9)
+
+
+@pytest.mark.parametrize("nu", [0.0, 0.45])
+def test_rigid_metal_has_the_ratio_of_its_deck(nu):
+    """Lemaitre's criterion reads it; the moduli that a rigid metal is solved with are others."""
+    text = bar("CPE4", 1.0, [damage("LEMAITRE")]).replace(f"1.E7, {NU}", f"1.E7, {nu}").replace(
+        "*PLASTIC\n100., 0.\n200., 1.\n", "*VISCOPLASTIC, LAW=NORTON-HOFF, RIGID\n100., .2\n")
+    result = lopin.run(lopin.Deck.parse(text, "rigid"))
+    due = 2.0/3.0*(1.0 + nu) + (1.0 - 2.0*nu)
+    found = np.ravel(result["DAMAGE_LEMAITRE"])/np.ravel(result["PEEQ"])
+    assert found == pytest.approx(due, rel=5e-3)
+
+
 def test_units_do_not_matter_and_a_resumed_run_gives_the_same_bits(executable, tmp_path):
     found = []
     for scale in (1.0, 1e-3):

@@ -123,6 +123,13 @@ def test_a_mesh_handed_to_itself_is_the_identity(word, core):
     assert moved < 1e-9 and abs(flowed) < 1e-9
 
 
+@pytest.mark.parametrize("mu", ["0.2, 300.", "0.2, 3000."])
+def test_friction_with_a_stick_slope_goes_on_where_it_was(mu, core):
+    """Slip of the elastic part is carried with the traction, not begun anew."""
+    (before, after), moved, _, _ = on_itself("CAX4", mu=mu)
+    assert np.abs(after - before).max() < 1e-4*np.abs(before).max() and moved < 1e-5
+
+
 def test_energies_balance_from_a_start_that_holds_some(core):
     """What is stored at the start is no work that got lost: a stress that is held, and a state."""
     text = """*NODE

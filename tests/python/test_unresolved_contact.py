@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pytest
 
-from lopin import Elastic, Material, Plastic, mesh_make, profile
+from lopin import Deck, Elastic, Material, Plastic, mesh_make, profile
 from lopin.errors import NotConvergedError
 from lopin.mesh import together
 from lopin.model import Model
@@ -170,6 +170,19 @@ def test_nothing_sinks_in_elsewhere(solve, contact, slave):
     result = solve(two_blocks("plane strain", slave, 12, contact, crown=0.02))
     assert not told(result, "W0340")
     assert force(result) == pytest.approx(right, rel=0.03)
+
+
+@pytest.mark.parametrize("law", ["LINEAR\n2e4", "EXPONENTIAL\n0.05, 500.",
+                                 "TABULAR\n0., -0.01\n1000., 0.05"])
+@pytest.mark.parametrize("kind", ["plane strain", "3d"])
+def test_a_law_that_gives_way_lets_nodes_in(solve, kind, law):
+    """Equal blocks, matching facets: what is inside is the law's own way."""
+    text, laws = re.subn(r"\*SURFACE BEHAVIOR[^\n]*\n([^*\n][^\n]*\n)*",
+                         f"*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE={law}\n",
+                         two_blocks(kind, 4, 4, False).text())
+    result = solve(Deck.parse(text if laws else text.replace(
+        "*CONTACT PAIR", f"*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE={law}\n*CONTACT PAIR"), "soft"))
+    assert force(result) > 0.0 and not told(result, "W0340")
 
 
 @pytest.mark.parametrize("nlgeom", [False, True])
