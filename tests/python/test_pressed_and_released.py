@@ -102,3 +102,47 @@ def test_force_and_springback_are_the_closed_form_s(solve, word, rotation, way):
     left = up[top].mean() - up[start < 1e-6*unit].mean()
     back = HEIGHT*exp(-strain) - PRESSED
     assert left/unit - PRESSED == pytest.approx(back, rel=1e-4)
+
+
+@pytest.mark.parametrize("overlap", [1e-4, 1e-3])
+def test_a_pair_that_is_added_over_an_overlap_takes_one_increment(solve, overlap):
+    """Two unit blocks between fixed ends: E/2 times the overlap, once, in a linear scene."""
+    rows = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
+    nodes = [(k + 1, x, y) for k, (x, y) in enumerate(rows)] + [
+        (k + 5, x, y + 1.0 - overlap) for k, (x, y) in enumerate(rows)]
+    text = "*NODE\n" + "".join(f"{n}, {x}, {y!r}\n" for n, x, y in nodes) + f"""*ELEMENT, TYPE=CPS4, ELSET=LOW
+1, 1, 2, 3, 4
+*ELEMENT, TYPE=CPS4, ELSET=UP
+2, 5, 6, 7, 8
+*ELSET, ELSET=ALL
+LOW, UP
+*SURFACE, NAME=FLOOR
+LOW, S3
+*SURFACE, NAME=FACE
+UP, S1
+*MATERIAL, NAME=M
+*ELASTIC
+1000., 0.
+*SOLID SECTION, ELSET=ALL, MATERIAL=M
+*SURFACE INTERACTION, NAME=I
+*CONTACT PAIR, INTERACTION=I
+FACE, FLOOR
+*BOUNDARY
+1, 1, 2
+2, 1, 2
+7, 1, 2
+8, 1, 2
+*STEP
+*STATIC
+*MODEL CHANGE, TYPE=CONTACT PAIR, REMOVE
+FACE, FLOOR
+*END STEP
+*STEP, INC=5
+*STATIC
+*MODEL CHANGE, TYPE=CONTACT PAIR, ADD
+FACE, FLOOR
+*END STEP
+"""
+    result = solve(Deck.parse(text, "added"))
+    assert [step["increments"] for step in result.summary["steps"]] == [1, 1]
+    assert abs(result.history["FACE-FLOOR.force2"][-1]) == pytest.approx(500.0*overlap, rel=1e-6)

@@ -38,7 +38,7 @@ contains
       if (is_heated(model)) return
       ! What a state that was handed over stores was not given here.
       if (.not. allocated(balance%closed)) return
-      if (scene%newton%contact%closes_in) return
+      if (scene%newton%contact%closes_in .or. adds_pairs(scene, model)) return
       given = energy
       beyond = merge(beyond_flow, beyond_elastic, scene%newton%flows)
       associate (before => scene%accepted%loads, &
@@ -56,4 +56,14 @@ contains
             & model%step(scene%step)%at, help='smaller increments on *STATIC')
       end associate
    end subroutine refuse_leap
+
+   !> The step begins with pairs that it adds: what they overlap by is pressed out at once.
+   pure logical function adds_pairs(scene, model)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+
+      adds_pairs = .not. scene%accepted%clock%time > 0.0_wp
+      if (adds_pairs) adds_pairs = allocated(model%step(scene%step)%pair_change)
+      if (adds_pairs) adds_pairs = any(model%step(scene%step)%pair_change%active)
+   end function adds_pairs
 end module lopin_refuse_leap

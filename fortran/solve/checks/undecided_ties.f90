@@ -37,9 +37,9 @@ contains
          call warn_once(scene%log, 'W0346', to_text(count(free))//' tied nodes, first '// &
             & to_text(model%mesh%node_label(c%node(first)))//' of pair ('// &
             & model%surface(model%pair(c%pair(first))%slave)%name//'), have tractions that '// &
-            & 'nothing decides: supports hold both sides of the tie there', &
+            & 'nothing decides: supports hold both sides of the tie there, or other ties do', &
             & model%pair(c%pair(first))%at, help='read no traction of the tie at these nodes; '// &
-            & 'or leave out the supports of its slave side')
+            & 'or leave out the supports of its slave side, or one of ties in a ring')
       end associate
    end subroutine check_undecided_ties
 end module lopin_undecided_ties
