@@ -29,9 +29,9 @@ module lopin_pseudo_transient
    public :: pseudo_transient, set_metric
 
    !> Linear systems that a whole motion may take, and one of a part whose mesh can be made anew.
-   !> The first of an increment that may be cut: of ten that come to rest eight do so in fewer, and
+   !> The first of an increment that may be cut: of ten that come to rest nine do so in fewer, and
    !> shorter increments often need none. Each that fails lets the next take twice as many.
-   integer, parameter :: most_systems = 600, most_of_part = 100, most_of_first = 50
+   integer, parameter :: most_systems = 600, most_of_part = 100, most_of_first = 100
    !> Steps of Newton of one implicit step, and how far they bring its residual down.
    integer, parameter :: most_of_step = 12, few = 4
    real(wp), parameter :: enough = 1.0e-2_wp
