@@ -310,13 +310,14 @@ contains
    end subroutine give_verdict
 
    !> The pressures as printed were judged by themselves, when all else was done.
-   !> What a tie holds is right without them; supports share its forces in the way of least norm.
+   !> What a tie holds, or a pair that does not separate, is right without them; supports share its
+   !> forces in the way of least norm.
    !> What is lost at the rim of contact alone says that the mesh is coarse for pressures there.
    subroutine hold_traction(self, pair, within, is_tied)
       type(certificate_type), intent(inout) :: self
       character(len=*), intent(in) :: pair     !! its name
       real(wp), intent(in) :: within           !! the same of facets that are not at the rim
-      logical, intent(in) :: is_tied
+      logical, intent(in) :: is_tied           !! or does not separate
 
       call hold(self, 'force that the pressures of pair '//pair//' do not carry', &
          & self%traction, traction_limit, merge(1, 2, is_tied .or. within <= traction_limit))

@@ -42,7 +42,8 @@ contains
       if (worst == 0) return
       associate (p => model%pair(worst))
          call hold_traction(frame%certificate, '('//model%surface(p%slave)%name//', '// &
-            & model%surface(p%master)%name//')', most, pair_is_tied(model, p))
+            & model%surface(p%master)%name//')', most, pair_is_tied(model, p) &
+            & .or. model%interaction(p%interaction)%no_separation)
       end associate
 
    contains
