@@ -18,9 +18,9 @@ from ..errors import LopinError
 from ..job import Job
 from ..model_read_mesh import plain
 from ..points import Points
-from .body import SIMPLEX, Body, DeckParts, pair_names, supports
+from .body import SIMPLEX, Body, DeckParts, inclined, pair_names, supports
 from .loads import loads_of
-from .part import NewMesh, new_labels, state_block
+from .part import NewMesh, new_labels, places_of_deck, state_block
 from .state import Snapshot
 from .tools import Tools
 from .transfer import DILATATION, STRAIN, admissible, equivalent, highest_strain
@@ -109,7 +109,7 @@ def in_balance(parts: DeckParts, body: Body, mesh: NewMesh, states, weights, las
     if why:
         return *_taken_back(states, highest), why
     flows, old = depends_on_rate(parts, body), last.points.within(body.elements)
-    before = _energy([old.strain], [old.volume])/(2.0*np.pi if body.axisymmetric else 1.0)
+    before = _energy([old.strain], [old.volume])/depth_of(parts, body)
     for done in range(1 if flows else PASSES):
         found = _balanced(parts, body, mesh, states, *load, folder)
         if found is None:
@@ -154,6 +154,10 @@ def _load(parts: DeckParts, body: Body, mesh: NewMesh, last: Snapshot, tools: To
         return None, "it meets another body"
     old = NewMesh(last.x, body.cells, body.facets, body.tags, body.named)
     step = last.clock.step
+    if inclined(parts, old, step):
+        return None, "supports hold it along inclined axes (*TRANSFORM)"
+    if is_rigid(parts, body):
+        return None, "rigid metal has no elastic stresses"
     force = loads_of(body, mesh, last, supports(parts, old, step), tools)
     if force is None:
         return None, "its forces on the skin are not known"
@@ -211,7 +215,8 @@ def _deck(parts: DeckParts, body: Body, mesh: NewMesh, states, force: NDArray, h
     """The body alone, elastic, with the forces of its contacts as loads: one increment."""
     node, element = new_labels(parts, body, mesh)
     deck = Deck(name="balance", folder=folder)
-    deck.blocks.append(Block("NODE", {}, [[int(n), *map(float, x)] for n, x in zip(node, mesh.x)]))
+    deck.blocks.append(Block("NODE", {}, [[int(n), *map(float, x)] for n, x in
+                                          zip(node, places_of_deck(body, mesh))]))
     for group, labels in zip(mesh.cells, element):
         word = body.word if len(group[0]) == body.cells[0].shape[1] else SIMPLEX[body.word]
         deck.blocks.append(Block("ELEMENT", {"TYPE": word, "ELSET": body.elset}, [
@@ -242,15 +247,29 @@ def section_of(parts: DeckParts, body: Body) -> tuple[Block, list[Block]]:
     return section, own
 
 
+def depth_of(parts: DeckParts, body: Body) -> float:
+    """Volume of a cell by its area: all round an axis, or the thickness of the section; in space
+    volumes are what they are."""
+    if body.axisymmetric or body.ndim == 3:
+        return 2.0*np.pi if body.axisymmetric else 1.0
+    given = [row[0] for row in section_of(parts, body)[0].data if row and row[0] is not None]
+    return float(given[0]) if given else 1.0
+
+
 def elasticity(parts: DeckParts, body: Body) -> tuple[float, float]:
-    """Young's modulus [stress] and Poisson's ratio."""
-    card = next(b for b in section_of(parts, body)[1] if b.keyword == "ELASTIC")
-    return float(card.data[0][0]), float(card.data[0][1] or 0.0)
+    """Young's modulus [stress] and Poisson's ratio; none where rigid metal has no such card."""
+    cards = [b for b in section_of(parts, body)[1] if b.keyword == "ELASTIC"]
+    return (float(cards[0].data[0][0]), float(cards[0].data[0][1] or 0.0)) if cards else (0.0, 0.0)
 
 
 def depends_on_rate(parts: DeckParts, body: Body) -> bool:
     """Whether the stress of the body's metal does."""
     return any(b.keyword in RATES for b in section_of(parts, body)[1])
+
+
+def is_rigid(parts: DeckParts, body: Body) -> bool:
+    """Whether the body's metal only flows: its deviators come from the rate alone."""
+    return any("RIGID" in b.parameters for b in section_of(parts, body)[1])
 
 
 def _elastic(parts: DeckParts, body: Body) -> list[Block]:

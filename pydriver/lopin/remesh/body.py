@@ -21,6 +21,8 @@ WORDS = {"CPE4": "quad", "CAX4": "quad", "CPE4R": "quad", "CAX4R": "quad", "CPE3
          "CAX3": "triangle", "C3D4": "tetra"}
 #: The word of the simplices that are left over between quads.
 SIMPLEX = {"CPE4": "CPE3", "CAX4": "CAX3", "CPE4R": "CPE3", "CAX4R": "CAX3"}
+#: Cosine of an axis with one of the global ones that it is along.
+ALONG = 1.0 - 1e-9
 #: Cards that put displacements, loads or couplings on nodes.
 _ON_NODES = ("BOUNDARY", "CLOAD", "TEMPERATURE")
 
@@ -147,8 +149,44 @@ def named_rows(mesh: Body | NewMesh) -> dict[str, NDArray]:
     return {name: np.unique(np.concatenate(own)) for name, own in rows.items()}
 
 
+def local_axes(parts: DeckParts, mesh: Body | NewMesh) -> NDArray:
+    """Axes in which the degrees of freedom of nodes are meant (node, axis, ndim): those of
+    *TRANSFORM; NaN where they turn from node to node."""
+    axes = np.broadcast_to(np.eye(3), (len(mesh.x), 3, 3)).copy()
+    names = named_rows(mesh)
+    for block in parts.blocks:
+        nodes = names.get(str(plain(block.parameters.get("NSET", ""))).upper()) \
+            if block.keyword == "TRANSFORM" else None
+        if nodes is None:
+            continue
+        a, b = np.array([*block.data[0], *[0.0]*6][:6], float).reshape(2, 3)
+        c = np.cross(a, b)
+        own = np.array([v/np.linalg.norm(v) for v in (a, np.cross(c, a), c)])
+        axes[nodes] = own if str(plain(block.parameters.get("TYPE", "R"))).upper() == "R" \
+            else np.nan
+    return axes[:, :mesh.x.shape[1], :mesh.x.shape[1]]
+
+
 def supports(parts: DeckParts, mesh: Body | NewMesh, step: int) -> NDArray:
-    """Translations of the nodes that *BOUNDARY holds in a step (node, ndim)."""
+    """Translations of the nodes that *BOUNDARY holds in a step (node, ndim), in global axes."""
+    return _supports(parts, mesh, step)[0]
+
+
+def inclined(parts: DeckParts, mesh: Body | NewMesh, step: int) -> bool:
+    """Whether supports hold nodes along axes of *TRANSFORM that are not the global ones."""
+    return _supports(parts, mesh, step)[1]
+
+
+def _supports(parts: DeckParts, mesh: Body | NewMesh, step: int) -> tuple[NDArray, bool]:
+    held = _held_along_own_axes(parts, mesh, step)
+    along = np.abs(local_axes(parts, mesh)) > ALONG
+    whole = held.all(axis=1, keepdims=True)
+    return ((held[:, :, None] & along).any(axis=1) | whole,
+            bool((held & ~along.any(axis=2) & ~whole).any()))
+
+
+def _held_along_own_axes(parts: DeckParts, mesh: Body | NewMesh, step: int) -> NDArray:
+    """Translations that *BOUNDARY holds in a step, as it numbers them (node, ndim)."""
     held, names = np.zeros(mesh.x.shape, bool), named_rows(mesh)
     for name, dofs in held_in(parts, step):
         for dof in dofs if name in names else ():

@@ -81,9 +81,8 @@ def loads_of(body: Body, mesh: NewMesh, last: Snapshot, held: NDArray, tools: To
     force[held] = 0.0
     force[inside] = 0.0
     force[np.abs(force).max(axis=1) < NOTHING*np.abs(force).max()] = 0.0
-    old = body.facets[[not tag & body.held for tag in body.tags]]
-    new = mesh.facets[[not tag & body.held for tag in mesh.tags]]
-    if not force.any() or not len(old) or not len(new):
+    old, new = body.facets, mesh.facets   # a tool may press a face that a support holds along it
+    if not force.any():
         return None
     before = Samples.of(last.x, old, body.axisymmetric)
     traction = _tractions(force, before, old)

@@ -16,6 +16,8 @@ from .transfer import DAMAGE, DILATATION, FLOW, PLASTIC, RATIO, STRAIN, WORK
 _MESH_CARDS = ("NODE", "ELEMENT", "NSET", "ELSET")
 #: Cards of the start that the state of the last part replaces.
 _START_CARDS = ("START", "INITIAL CONDITIONS", "REMESH")
+#: Radii below this share of the size of a body are rounding of nodes on the axis.
+ROUNDING = 1e-12
 
 
 @dataclass
@@ -178,6 +180,16 @@ def new_labels(parts: DeckParts, body: Body, mesh: NewMesh) -> tuple[NDArray, li
     return np.arange(first, first + len(mesh.x)), labels
 
 
+def places_of_deck(body: Body, mesh: NewMesh) -> NDArray:
+    """Places of the nodes as a deck has them (node, ndim) [length]: those that lie on the axis but
+    for rounding lie on it, as no radius may be negative."""
+    if not body.axisymmetric:
+        return mesh.x
+    x = mesh.x.copy()
+    x[np.abs(x[:, 0]) < ROUNDING*np.ptp(x, axis=0).max(), 0] = 0.0
+    return x
+
+
 def _mesh_blocks(parts: DeckParts, body: Body, mesh: NewMesh, node_label: NDArray,
                  element_label: list[NDArray]) -> list[Block]:
     """Nodes, elements and sets of the new deck."""
@@ -187,7 +199,8 @@ def _mesh_blocks(parts: DeckParts, body: Body, mesh: NewMesh, node_label: NDArra
     rows = [[label, *x[:max(2, d)]] for label, x in cards.nodes.items() if label not in own]
     if any(row[-1] for row in ([0.0] if d == 3 else cards.nodes[r[0]][2:] for r in rows)):
         rows = [[r[0], *cards.nodes[r[0]]] for r in rows]
-    blocks = [Block("NODE", {}, [[int(n), *map(float, p)] for n, p in zip(node_label, mesh.x)]
+    blocks = [Block("NODE", {}, [[int(n), *map(float, p)] for n, p in zip(node_label,
+                                                                     places_of_deck(body, mesh))]
                     + rows)]
     for group, labels in zip(mesh.cells, element_label):
         word = body.word if len(group[0]) == body.cells[0].shape[1] or d == 3 \

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from ..deck import Block
 from ..model_read_mesh import plain
-from .body import Body, DeckParts, pair_names, refused
+from .body import Body, DeckParts, held_dofs, held_in, pair_names, refused
 
 #: Cards that belong to the nodes or elements of the first mesh, and what to do instead.
 _CARDS = {"TEMPERATURE": "heat is not carried to a new mesh",
@@ -25,6 +25,7 @@ def refuse_what_stays_behind(parts: DeckParts, body: Body) -> None:
             raise refused("remeshing belongs to finite strain", "write *STEP, NLGEOM")
     _refuse_loads(parts, body)
     _refuse_motion(parts, body)
+    _refuse_places_of_the_start(parts, body)
     _refuse_equations(parts, body)
     _refuse_temperatures(parts, body)
     _refuse_some_elements(parts, body)
@@ -57,6 +58,38 @@ def _refuse_motion(parts: DeckParts, body: Body) -> None:
             if own & set(labels):
                 raise refused(f"*BOUNDARY moves {row[0]} of the body that is meshed anew by "
                               f"{row[3]:g}", "move a tool against it")
+
+
+def _refuse_places_of_the_start(parts: DeckParts, body: Body) -> None:
+    """A displacement of zero in a later step brings nodes that were free back to where they stood
+    at the start, which a new mesh does not know; those that were held all along stand there."""
+    own, held, steps = set(body.labels.tolist()), [], 0
+    for block in parts.blocks:
+        if block.keyword == "STEP":
+            steps += 1
+            held.append(_held(parts, own, steps))
+        absolute = block.keyword == "BOUNDARY" and "FIXED" not in block.parameters and \
+            str(plain(block.parameters.get("TYPE", "DISPLACEMENT"))).upper() == "DISPLACEMENT"
+        for row in block.data if absolute and steps > 1 else ():
+            wanted = {(label, dof) for label in _labels(parts, row[0]) if label in own
+                      for dof in held_dofs(row) if dof <= body.ndim}
+            if any(wanted - before for before in held[:-1]):
+                raise refused(f"*BOUNDARY in step {steps} brings {row[0]} of the body that is "
+                              "meshed anew back to where it stood at the start",
+                              "*BOUNDARY, FIXED holds it where it has come to; or hold it from "
+                              "the first step on")
+
+
+def _held(parts: DeckParts, own: set[int], step: int) -> set[tuple[int, int]]:
+    """Nodes of a body and their degrees of freedom that *BOUNDARY holds in a step."""
+    return {(label, dof) for name, dofs in held_in(parts, step)
+            for label in _labels(parts, int(name) if name.isdigit() else name) if label in own
+            for dof in dofs}
+
+
+def _labels(parts: DeckParts, name) -> list[int]:
+    """Nodes that a line names by their label or their set."""
+    return [name] if isinstance(name, int) else parts.cards.nsets.get(str(name).upper(), [])
 
 
 def _refuse_equations(parts: DeckParts, body: Body) -> None:

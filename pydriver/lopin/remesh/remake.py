@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..deck import Block, Deck
 from ..errors import UsageError
 from ..points import Points
-from .balance import in_balance
+from .balance import depth_of, elasticity, in_balance
 from .body import Body, DeckParts, direct_labels, pair_names, read_body, refused
 from .card import RemeshCard
 from .part import NewMesh, SkinOrigin, new_labels, next_deck, state_block
@@ -67,7 +67,8 @@ def remake(deck: Deck, last: Snapshot, tools: Tools, card: RemeshCard, why: str,
     states, over, unbalanced = in_balance(parts, body, mesh, states, weights, last, tools, folder)
     done = Remesh(part, last.clock.total, why, sum(len(c) for c in mesh.cells),
                   worst_corner(mesh.x, mesh.cells), moved,
-                  *integrals(last.points, states, weights, body.axisymmetric),
+                  *integrals(last.points, states, weights, depth_of(parts, body),
+                             elasticity(parts, body)[1]),
                   excess=max(float(o.max()) for o in over), unbalanced=unbalanced,
                   seconds=time.perf_counter() - began)
     settles = settling(last, parts)
@@ -120,17 +121,21 @@ def point_cells(last: Snapshot, body: Body):
                       points.volume[own])
 
 
-def integrals(points: Points, states, weights, axisymmetric: bool) -> tuple[float, float]:
-    """Relative changes of the integrals of plastic strain and of elastic energy (deviator)."""
-    factor = 2.0*np.pi if axisymmetric else 1.0
+def integrals(points: Points, states, weights, depth: float, poisson: float) -> tuple[float, float]:
+    """Relative changes of the integrals of plastic strain, and of the elastic energy of the
+    deviator, by all elastic energy. `depth`: volume by the weights, 2 pi or the thickness of a
+    section."""
+    bulk = (1.0 + poisson)/(3.0*(1.0 - 2.0*poisson))   # by the factor of the deviator
 
-    def change(of_old, of_new):
+    def change(of_old, of_new, beside=0.0):
         old = float((points.volume*of_old).sum())
-        new = factor*sum(float((w*f).sum()) for w, f in zip(weights, of_new))
-        return new/old - 1.0 if old > 0.0 else 0.0
+        new = depth*sum(float((w*f).sum()) for w, f in zip(weights, of_new))
+        whole = old + float((points.volume*beside).sum())
+        return (new - old)/whole if whole > 0.0 else 0.0
 
     return (change(points.plastic, [s[..., PLASTIC] for s in states]),
-            change(equivalent(points.strain)**2, [equivalent(s[..., STRAIN])**2 for s in states]))
+            change(equivalent(points.strain)**2, [equivalent(s[..., STRAIN])**2 for s in states],
+                   bulk*points.dilatation**2))
 
 
 def kept_block(session, body: Body) -> list[Block]:
