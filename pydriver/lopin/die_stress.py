@@ -116,15 +116,18 @@ def die_deck(die: Deck, surface: str, loads: ToolLoads) -> tuple[Deck, Balance]:
     label = {k: n for n, k in cards.index.items()}
     rows = [[label[k], d + 1, float(total[k, d])] for k in np.unique(node) for d in
             range(mesh.ndim) if total[k, d] != 0.0]
-    deck = Deck(preamble=die.preamble, name=f"{die.name}_loaded", folder=die.folder)
-    for block in blocks:
-        if block.keyword == "END STEP" and "CLOAD" not in [b.keyword for b in deck.blocks]:
-            deck.blocks.append(Block("CLOAD", {}, rows))
-        deck.blocks.append(block)
-    if "END STEP" not in deck:
+    return _loaded(die, blocks, rows), balance
+
+
+def _loaded(die: Deck, blocks: list[Block], rows: list[list]) -> Deck:
+    """The deck with these loads at the end of its first step, added to those that it has there."""
+    ends = [k for k, b in enumerate(blocks) if b.keyword == "END STEP"]
+    if not ends:
         raise ModelError("the die's deck has no step that could take the loads",
                          help="*STEP, *STATIC, *END STEP")
-    return deck, balance
+    deck = Deck(preamble=die.preamble, name=f"{die.name}_loaded", folder=die.folder)
+    deck.blocks = [*blocks[:ends[0]], Block("CLOAD", {}, rows), *blocks[ends[0]:]]
+    return deck
 
 
 def facets_of(mesh, surface: str) -> NDArray:

@@ -13,13 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .deck import Block, Deck
-from .errors import ModelError
+from .errors import ModelError, UsageError
 from .job import Job
+from .material_cards import before_steps, beyond_points, of_body, temperatures_of
 from .model_read_mesh import plain
-
-#: Cards of a material that go along; *DAMAGE goes on to count.
-OF_MATERIAL = ("MATERIAL", "ELASTIC", "PLASTIC", "VISCOPLASTIC", "DENSITY", "DAMAGE", "EXPANSION",
-                "CONDUCTIVITY", "SPECIFIC HEAT", "POTENTIAL", "SOLID SECTION")
 
 
 @dataclass
@@ -71,8 +68,9 @@ def next_operation(job: Job, elset: str, cards: str, *, name: str,
 
     Parameters
     ----------
-    job : open, after an accepted increment
-    elset : the body that goes on; its sets, surfaces, material and section keep their names
+    job : open, after an accepted increment: called inside the loop over its frames
+    elset : the body that goes on; its sets, surfaces, material, section and what that names keep
+        their names, temperatures of the start go along
     cards : tools, interactions, contact pairs, supports and steps of the next operation
     name : of the new deck
     trim : told the present centres of the elements (element, ndim), says which are taken out
@@ -85,17 +83,22 @@ def next_operation(job: Job, elset: str, cards: str, *, name: str,
     from .remesh.separate import counted
     from .remesh.state import Snapshot
 
-    parts = DeckParts.of(job.deck)
-    body = read_body(parts, elset.upper())
-    last = Snapshot.of(job, body)
+    refuse_ended(job)
     if trim is not None and cut is not None:
         raise ModelError("both trim and cut are given", help="one of them: cut divides elements")
-    if cut is None:
-        mesh, states, gone, volume = _trimmed(body, last, trim)
-    else:
-        mesh, states, gone, volume = _divided(body, last, cut)
+    parts = DeckParts.of(job.deck)
+    body = read_body(parts, elset.upper())
     own, members = set(body.labels.tolist()), set(body.elements.tolist())
     named = parts.cards
+    material = of_body(parts.blocks, named, members)
+    if beyond_points(material):
+        raise ModelError(f"{beyond_points(material)}: Hill's surface and backstress do not go to a "
+                         "mesh in its present shape",
+                         help="lopin.same_mesh.next_on_same_mesh takes them along")
+    warm = temperatures_of(parts.blocks, named, own)
+    last = Snapshot.of(job, body)
+    mesh, states, gone, volume, origin = \
+        _trimmed(body, last, trim) if cut is None else _divided(body, last, cut)
     named.nodes = {n: x for n, x in named.nodes.items() if n in own}
     named.elements = {e: c for e, c in named.elements.items() if e in members}
     named.elsets = {k: v for k, v in named.elsets.items() if members & set(v)}
@@ -103,21 +106,32 @@ def next_operation(job: Job, elset: str, cards: str, *, name: str,
     node_label, element_label = new_labels(parts, body, mesh)
     deck = Deck(name=name, folder=job.deck.folder)
     deck.blocks = _mesh_blocks(parts, body, mesh, node_label, element_label)
-    for block in parts.blocks:
-        if block.keyword == "STEP":
-            break
-        if block.keyword in OF_MATERIAL and is_of(block, named):
-            deck.blocks.append(counted(block))
-        elif block.keyword == "SURFACE" and _of_faces(block, named):
-            deck.blocks.append(_surface(parts, body, mesh, block, element_label))
+    deck.blocks += [_surface(parts, body, mesh, block, element_label) for block in
+                    before_steps(parts.blocks)
+                    if block.keyword == "SURFACE" and _of_faces(block, named)]
+    # *DAMAGE goes on to count.
+    deck.blocks += [counted(block) for block in material]
+    if warm:
+        old = np.array([warm.get(int(n), 0.0) for n in body.labels])
+        deck.blocks.append(Block("INITIAL CONDITIONS", {"TYPE": "TEMPERATURE"}, [
+            [int(n), float(t)] for n, t in zip(node_label, origin(old))]))
     deck.blocks.append(state_block(parts, body, mesh, states))
     deck.blocks += Deck.parse(cards, name=name).blocks
     return deck, Carried(int((~gone).sum()), float(volume[~gone].sum()), int(gone.sum()),
                          float(volume[gone].sum()))
 
 
+def refuse_ended(job: Job) -> None:
+    """A run that has ended has let go of the state that would go on."""
+    if not job.is_open:
+        raise UsageError("the run has ended, and its state is gone: there is nothing to go on from",
+                         help="call it inside the loop: for frame in job: deck, carried = "
+                              "next_operation(job, ...); the last increment's deck stays")
+
+
 def _trimmed(body, last, trim):
-    """Mesh and states without whole elements; which are gone, and the volume of each."""
+    """Mesh and states without whole elements; which are gone, and the volume of each; what takes
+    values of the old nodes to the new."""
     from .remesh.separate import rows_of, states_of_rest, without
 
     centre = np.concatenate([last.x[group].mean(axis=1) for group in body.cells])
@@ -125,8 +139,8 @@ def _trimmed(body, last, trim):
     _refuse_nothing_left(gone)
     row = rows_of(body, last.points)
     volume = np.bincount(row, last.points.volume, len(gone) + 1)[:-1]
-    mesh, _ = without(body, last.x, gone)
-    return mesh, states_of_rest(body, last.points, gone), gone, volume
+    mesh, old = without(body, last.x, gone)
+    return mesh, states_of_rest(body, last.points, gone), gone, volume, lambda value: value[old]
 
 
 def _divided(body, last, cut):
@@ -138,7 +152,7 @@ def _divided(body, last, cut):
     facets, tags = facets_of(parts, body.facets, body.tags, body.ndim)
     gone = np.concatenate(parts.beyond)
     _refuse_nothing_left(gone)
-    mesh, _ = without(replace(body, cells=parts.cells, facets=facets, tags=tags), parts.x, gone)
+    mesh, old = without(replace(body, cells=parts.cells, facets=facets, tags=tags), parts.x, gone)
     states = states_of_rest(body, last.points, np.zeros(len(body.elements), bool))
     points = [point for group in states for point in group]
     kept = []
@@ -151,7 +165,11 @@ def _divided(body, last, cut):
     parent = np.concatenate(parts.parent)
     n = len(body.elements)
     whole = np.bincount(rows_of(body, last.points), last.points.volume, n + 1)[:n]
-    return mesh, kept, gone, size*(whole/np.bincount(parent, size, n))[parent]
+    a, b = parts.ends[old].T
+    length = np.linalg.norm(last.x[b] - last.x[a], axis=1)
+    share = np.linalg.norm(mesh.x - last.x[a], axis=1)/np.where(length > 0.0, length, 1.0)
+    return mesh, kept, gone, size*(whole/np.bincount(parent, size, n))[parent], \
+        lambda value: value[a] + share*(value[b] - value[a])
 
 
 def measures(x: NDArray, cells: NDArray, axisymmetric: bool) -> NDArray:
@@ -176,12 +194,6 @@ def measures_of(points, members: list[int]) -> NDArray:
 def _refuse_nothing_left(gone: NDArray) -> None:
     if gone.all():
         raise ModelError("the cut takes all elements out", help="the other side of it stays")
-
-
-def is_of(block: Block, named) -> bool:
-    """Whether a card of materials or sections is for what goes on."""
-    return block.keyword != "SOLID SECTION" or \
-        str(plain(block.parameters["ELSET"])).upper() in named.elsets
 
 
 def _of_faces(block: Block, named) -> bool:

@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from .deck import Block, Deck, Row
 from .errors import ModelError
 from .job import Job
+from .material_cards import before_steps, of_body, temperatures_of
 from .model_read_mesh import plain
-from .operation import OF_MATERIAL, Carried, is_of, measures_of
+from .operation import Carried, measures_of, refuse_ended
 
 #: Length of the increment at rest, by the period of the step.
 REST = 1e-8
@@ -28,8 +29,9 @@ def next_on_same_mesh(job: Job, elset: str, cards: str, *, name: str,
 
     Parameters
     ----------
-    job : open, after an accepted increment
-    elset : the body that goes on; its sets, surfaces, material and section keep their names
+    job : open, after an accepted increment: called inside the loop over its frames
+    elset : the body that goes on; its sets, surfaces, material, section and what that names keep
+        their names, temperatures of the start go along
     cards : tools, interactions, contact pairs, supports and steps of the next operation. Tools
         stand where the cards put them, supports that hold a place of now say ``FIXED``
     name : of the new deck
@@ -39,6 +41,7 @@ def next_on_same_mesh(job: Job, elset: str, cards: str, *, name: str,
     """
     from .remesh.body import DeckParts
 
+    refuse_ended(job)
     parts = DeckParts.of(job.deck)
     heat = next((b.keyword for b in parts.blocks if b.keyword in ("TEMPERATURE", "EXPANSION")), "")
     if heat:
@@ -55,17 +58,18 @@ def next_on_same_mesh(job: Job, elset: str, cards: str, *, name: str,
     stay = {m for m, out in zip(members, gone) if not out}
     deck = Deck(name=name, folder=job.deck.folder)
     deck.blocks = _mesh(named, members, stay)
-    for block in parts.blocks:
-        if block.keyword == "STEP":
-            break
-        if block.keyword in OF_MATERIAL and is_of(block, named):
-            deck.blocks.append(block)
-        elif block.keyword == "SURFACE":
+    nodes = {n for m in stay for n in named.elements[m][1]}
+    for block in before_steps(parts.blocks):
+        if block.keyword == "SURFACE":
             deck.blocks += _surface(block, named, stay)
+    deck.blocks += of_body(parts.blocks, named, stay)
+    warm = temperatures_of(parts.blocks, named, nodes)
+    if warm:
+        deck.blocks.append(Block("INITIAL CONDITIONS", {"TYPE": "TEMPERATURE"},
+                                 [[n, t] for n, t in sorted(warm.items())]))
     deck.blocks.append(_memory(job, stay))
     own = Deck.parse(cards, name=name).blocks
     first = next((k for k, b in enumerate(own) if b.keyword == "STEP"), len(own))
-    nodes = {n for m in stay for n in named.elements[m][1]}
     deck.blocks += [*own[:first], _start(motion, nodes, own, release), *own[first:]]
     return deck, Carried(len(stay), float(volume[~gone].sum()), int(gone.sum()),
                          float(volume[gone].sum()))

@@ -114,6 +114,17 @@ def test_the_command_writes_the_loaded_deck_and_says_what_it_kept(core, tmp_path
     assert "the deck itself" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("own, extra", [("*CLOAD\nTOP, 2, -3.\n", -3.0*11),
+                                        ("*CLOAD, OP=NEW\nLEFT, 2, 5.\n", 5.0*5)])
+def test_loads_of_the_die_itself_stay_beside_those_of_the_forging(core, own, extra):
+    """A press that bears on a die: the support bears the sum of both, in steps after it too."""
+    loads = ToolLoads("DIE", np.array([[10.0, 2.0], [10.0, 6.0]]), np.array([[7.0, -4.0]]*2))
+    text = ring((10, 4)).text().replace("*STATIC\n", f"*STATIC\n{own}")
+    die = lopin.Deck.parse(text + "*STEP\n*STATIC\n*END STEP\n", name="ring")
+    found = lopin.run(die_deck(die, "BORE", loads)[0])["reaction"][:, 1].sum()
+    assert found == pytest.approx(8.0 - extra, rel=1e-9)
+
+
 def ring_points():
     return mesh_make.block((OUT - BORE, TALL), (60, 8), origin=(BORE, 0.0)).points
 

@@ -1,7 +1,7 @@
 """Chains of operations: state carried on, metal trimmed off, forces and volumes by closed forms."""
 import numpy as np
 import pytest
-from test_point_states import deck
+from test_point_states import PLASTIC, deck
 
 import lopin
 from lopin import mesh_make
@@ -9,6 +9,7 @@ from lopin.errors import ModelError
 from lopin.operation import beyond_plane, measures, next_operation, signed_plane
 from lopin.remesh.body import boundary_facets
 from lopin.remesh.clip import clip, facets_of
+from lopin.same_mesh import next_on_same_mesh
 
 pytest.importorskip("scipy")
 
@@ -193,3 +194,66 @@ def test_a_cut_and_a_trim_are_refused_together(core):
     plane = signed_plane((4.5, 0.0), (1.0, 0.0))
     with pytest.raises(ModelError, match="both"):
         after(disc(), FREE, trim=beyond_plane((4.5, 0.0), (1.0, 0.0)), cut=plane)
+
+
+LAWS = {"rate": "*RATE DEPENDENT\n40., 5.", "controls": "", "axes": "", "heat": ""}
+HEAT = "*PLASTIC\n200., 0., 20.\n600., 2., 20.\n100., 0., 500.\n300., 2., 500."
+
+
+def materials_deck(case, travel, period=1.0):
+    """A disc of a material with a card more, without friction."""
+    text = disc(travel=travel).text()
+    section = next(line for line in text.splitlines() if line.startswith("*SOLID SECTION"))
+    text = text.replace(PLASTIC, f"{PLASTIC}\n{LAWS[case]}".rstrip())
+    beside = {"controls": ("CONTROLS", "*SECTION CONTROLS, NAME=Plain, FORMULATION=FULL\n"),
+              "axes": ("ORIENTATION", "*ORIENTATION, NAME=Plain\n0., 1., 0., -1., 0., 0.\n")}
+    if case in beside:
+        word, cards = beside[case]
+        text = text.replace(section, f"{section}, {word}=PLAIN").replace("*MATERIAL",
+                                                                         cards + "*MATERIAL")
+    if case == "heat":
+        text = text.replace(PLASTIC, HEAT).replace(
+            "*STEP", "*INITIAL CONDITIONS, TYPE=TEMPERATURE\nALL, 400.\n*STEP")
+    steps = f"{0.1*period!r}, {period!r}, , {0.1*period!r}"
+    return lopin.Deck.parse(text.replace("0.1, 1.0, , 0.1", steps), name="disc")
+
+
+@pytest.mark.parametrize("case", LAWS)
+def test_all_of_the_material_goes_along(core, case):
+    """Pressed by 1 and by 1 again as by 2 at once, whatever cards the material and section have."""
+    second, _, _ = after(materials_deck(case, -1.0), SECOND.format(level=4.0, travel=-1.0))
+    one = lopin.run(materials_deck(case, -2.0, period=2.0)).history["DIE.rf2"][-1]
+    found = lopin.run(second).history["PUNCH.rf2"][-1]
+    assert found == pytest.approx(one, rel=2e-3 if case == "rate" else 1e-6)
+
+
+def test_temperatures_go_along_a_cut(core):
+    """A temperature that grows with the radius of the start is met at the new nodes, too."""
+    text = materials_deck("heat", -1.0).text()
+    warm = "\n".join(f"{n + 1}, {100.0 + 40.0*x!r}" for n, (x, _) in
+                     enumerate(mesh_make.block((5.0, 5.0), (10, 10)).points.tolist()))
+    scene = lopin.Deck.parse(text.replace("ALL, 400.", warm), name="disc")
+    rim = 3.3*np.sqrt(5.0/4.0)
+    second, _, _ = after(scene, FREE, cut=signed_plane((rim, 0.0), (1.0, 0.0)))
+    table = next(b for b in second.blocks if b.keyword == "INITIAL CONDITIONS")
+    given = dict(table.data)
+    wide = max(row[1] for row in second["NODE"].data)
+    for label, r, _ in second["NODE"].data:
+        assert given[label] == pytest.approx(100.0 + 40.0*5.0*r/(5.0*np.sqrt(5.0/4.0)), abs=0.5)
+    assert wide == pytest.approx(rim, rel=1e-9)
+    heated = lopin.Deck.parse(text.replace("*STATIC", "*TEMPERATURE\nALL, 300.\n*STATIC"), name="h")
+    with pytest.raises(ModelError, match="TEMPERATURE: heat"):
+        after(heated, FREE)
+
+
+def test_what_cannot_go_along_is_told_by_its_card(core):
+    text = disc(travel=-0.1).text().replace(PLASTIC,
+                                            f"{PLASTIC}\n*POTENTIAL\n1., 1., 1.2, 1., 1., 1.")
+    with pytest.raises(ModelError, match="POTENTIAL: Hill"):
+        after(lopin.Deck.parse(text, name="hill"), FREE)
+    with lopin.open(disc(travel=-0.1)) as job:
+        for _ in job:
+            pass
+        for call in (next_operation, next_on_same_mesh):
+            with pytest.raises(lopin.UsageError, match="(?s)has ended.*inside the loop"):
+                call(job, "B", FREE, name="late")

@@ -3,7 +3,7 @@ deck, whatever the elements remember."""
 import numpy as np
 import pytest
 from test_kept_bodies import HILL, MOVING
-from test_operation import FREE, SECOND
+from test_operation import FREE, HEAT, SECOND
 from test_point_states import PLASTIC, deck, grid
 
 import lopin
@@ -75,3 +75,21 @@ def test_what_does_not_go_along_is_refused(core):
     elastic = deck("CAX4", x, cells, 5.0, -0.2, law="")
     with pytest.raises(ModelError, match="remembers nothing"):
         after(elastic, FREE)
+
+
+@pytest.mark.parametrize("law, start", [
+    ("*PLASTIC, HARDENING=COMBINED, DATA TYPE=PARAMETERS\n200., 2000., 15.\n"
+     "*CYCLIC HARDENING, PARAMETERS\n200., 80., 5.", ""),
+    (HEAT, "*INITIAL CONDITIONS, TYPE=TEMPERATURE\nALL, 400.\n")])
+def test_all_of_the_material_goes_along(law, start, core):
+    """Pressed by 1 and by 1 again as by 2 at once."""
+    x, cells = grid("CAX4")
+
+    def scene(travel):
+        text = deck("CAX4", x, cells, 5.0, travel, law=law, mu=0.0, increments=10).text()
+        return lopin.Deck.parse(text.replace("FLOOR, 1, 2", "FLOOR, 2").replace(
+            "*STEP", start + "*STEP"), name="block")
+
+    second, _, _ = after(scene(-1.0), SECOND.format(level=4.0, travel=-1.0))
+    assert lopin.run(second).history["PUNCH.rf2"][-1] == pytest.approx(
+        lopin.run(scene(-2.0)).history["DIE.rf2"][-1], rel=1e-6)

@@ -275,7 +275,7 @@ def is_rigid(parts: DeckParts, body: Body) -> bool:
 def _elastic(parts: DeckParts, body: Body) -> list[Block]:
     """Section and material of the body, which does not flow."""
     section, material = section_of(parts, body)
-    blocks = [b for b in parts.blocks if b.keyword == "SECTION CONTROLS"]
+    blocks = [b for b in parts.blocks if b.keyword in ("SECTION CONTROLS", "ORIENTATION")]
     blocks += [b for b in material if b.keyword in ("MATERIAL", "ELASTIC")]
     blocks.append(Block("PLASTIC", {}, [[ELASTIC*elasticity(parts, body)[0], 0.0]]))
     return [*blocks, Block("SOLID SECTION", {**section.parameters, "ELSET": body.elset},

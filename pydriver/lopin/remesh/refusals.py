@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 from ..deck import Block
+from ..material_cards import beyond_points, of_materials, sections_of, word_of
 from ..model_read_mesh import plain
 from .body import Body, DeckParts, held_dofs, held_in, pair_names, refused
 
@@ -12,8 +13,6 @@ _CARDS = {"TEMPERATURE": "heat is not carried to a new mesh",
           "or a tool"}
 #: NLGEOM=NO, and no such word; alone it stands for YES.
 _NO = ("NO", "no", "No")
-_MATERIAL = ("ELASTIC", "PLASTIC", "VISCOPLASTIC", "RATE DEPENDENT", "CYCLIC HARDENING",
-             "POTENTIAL", "HYPERELASTIC", "EXPANSION", "DENSITY")
 
 
 def refuse_what_stays_behind(parts: DeckParts, body: Body) -> None:
@@ -195,23 +194,10 @@ def _meets_itself(block: Block, own: set[str]) -> bool:
 
 def _refuse_material(parts: DeckParts, body: Body) -> None:
     """Materials whose memory a table of points does not hold."""
-    members, section = set(body.elements.tolist()), None
-    for block in parts.blocks:
-        if block.keyword == "SOLID SECTION" and \
-                members & set(parts.cards.elsets.get(plain(block.parameters["ELSET"]).upper(), [])):
-            section = str(plain(block.parameters["MATERIAL"])).upper()
-    cards, inside = [], False
-    for block in parts.blocks:
-        if block.keyword == "MATERIAL":
-            inside = str(plain(block.parameters["NAME"])).upper() == section
-        elif block.keyword in _MATERIAL and inside:
-            cards.append(block)
-        elif block.keyword not in _MATERIAL:
-            inside = False
+    section, = sections_of(parts.blocks, parts.cards, set(body.elements.tolist()))
+    name = word_of(section, "MATERIAL")
+    cards = of_materials(parts.blocks, {name})
     words = {b.keyword for b in cards}
-    moves = any(str(b.parameters.get("HARDENING", "")).upper() in ("KINEMATIC", "COMBINED")
-                for b in cards)
-    if words & {"POTENTIAL", "CYCLIC HARDENING", "HYPERELASTIC"} or moves or not \
-            words & {"PLASTIC", "VISCOPLASTIC"}:
-        raise refused(f"material {section} remembers what a new mesh cannot take: metals with "
+    if beyond_points(cards) or "HYPERELASTIC" in words or not words & {"PLASTIC", "VISCOPLASTIC"}:
+        raise refused(f"material {name} remembers what a new mesh cannot take: metals with "
                       "isotropic hardening, or that creep by Norton-Hoff, can be remeshed")
