@@ -5,15 +5,17 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from test_point_states import grid
-from test_remeshing import block, run
+from test_remeshing import block, history, run
 
 import lopin
 from lopin.remesh.balance import depth_of
 from lopin.remesh.body import DeckParts, inclined, read_body, supports
+from lopin.remesh.loads import fading
 from lopin.remesh.part import NewMesh, places_of_deck
 from lopin.remesh.refusals import refuse_what_stays_behind
 from lopin.remesh.remake import integrals
 from lopin.remesh.report import Report
+from lopin.remesh.state import Snapshot
 
 STEP = "*STEP, NLGEOM"
 
@@ -104,3 +106,36 @@ def test_deviators_that_are_rounding_are_beside_all_elastic_energy():
                              strain=np.full((2, 6), 1e-12))
     state = np.zeros((2, 1, 40))
     assert abs(integrals(points, [state], [np.full((2, 1), 2.0)], 7.0, 0.3)[1]) < 1e-12
+
+
+def test_what_a_step_lets_go_of_fades_over_new_meshes(core, tmp_path):
+    """A pair that is removed: such runs ended (E0621, loads act on nodes of the body)."""
+    text = text_of("CAX4", travel=-.5, card="PERIOD=1.4, STRAIN=10.", steps=(
+        f"{STEP}\n*STATIC\n.1, 1., , .1\n*MODEL CHANGE, TYPE=CONTACT PAIR, REMOVE\nSKIN, DIE\n"
+        "*END STEP\n")).replace("0.05, 1.0", "0.2, 1.0")
+    report = run(lopin.Deck.parse(text, name="block"), tmp_path)
+    found = history(tmp_path, "block")
+    time, energy = found["time"], found["energy.strain"]
+    assert [round(r.time, 6) for r in report.remeshes] == [1.4] and not report.remeshes[0].unbalanced
+    full = energy[np.argmin(np.abs(time - 1.0))]
+    for at in (1.4, 1.5, 1.7, 2.0):   # the force fades, and the energy with its square
+        share = energy[np.argmin(np.abs(time - at))]/full
+        assert share == pytest.approx((2.0 - at)**2, abs=0.01)
+    assert np.ptp(found["energy.plastic"][time > 0.999]) < 1e-6*found["energy.plastic"][-1]
+
+
+@pytest.mark.parametrize("word", ["CPE4", "C3D4"])
+def test_forces_that_fade_keep_their_resultant_whatever_their_way(word):
+    """Those that press go as tractions; those of a freed support along a face or off it, too, to
+    the nodes that are there."""
+    _, body = parts_of(text_of(word))
+    mesh = NewMesh(body.x.copy(), body.cells, body.facets, body.tags, body.named)
+    for axis, sign in ((0, 1.0), (1, 1.0), (1, -1.0)):
+        force = np.zeros_like(body.x)
+        force[body.x[:, 1] > 4.9, axis] = sign
+        last = SimpleNamespace(x=body.x, fading_on=lambda body, force=force: force)
+        found = fading(body, mesh, last)
+        assert found.sum(axis=0) == pytest.approx(force.sum(axis=0), abs=1e-12)
+        assert not found[body.x[:, 1] < 4.9].any()
+    motion = np.array([[int(body.labels[0]), 2, 0.1, 0.0, 7.0]])
+    assert Snapshot.fading_on(SimpleNamespace(motion=motion), body)[0, 1] == 7.0

@@ -18,7 +18,7 @@ from ..errors import LopinError
 from ..job import Job
 from ..model_read_mesh import plain
 from ..points import Points
-from .body import SIMPLEX, Body, DeckParts, inclined, pair_names, supports
+from .body import SIMPLEX, Body, DeckParts, inclined, pair_names, period_of, supports
 from .loads import loads_of
 from .part import NewMesh, new_labels, places_of_deck, state_block
 from .state import Snapshot
@@ -158,7 +158,8 @@ def _load(parts: DeckParts, body: Body, mesh: NewMesh, last: Snapshot, tools: To
         return None, "supports hold it along inclined axes (*TRANSFORM)"
     if is_rigid(parts, body):
         return None, "rigid metal has no elastic stresses"
-    force = loads_of(body, mesh, last, supports(parts, old, step), tools)
+    force = loads_of(body, mesh, last, supports(parts, old, step), tools,
+                     1.0 - min(1.0, last.clock.time/max(period_of(parts, step), TINY)))
     if force is None:
         return None, "its forces on the skin are not known"
     held = supports(parts, mesh, step)

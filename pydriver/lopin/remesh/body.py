@@ -72,6 +72,18 @@ def held_in(parts: DeckParts, step: int) -> list[tuple[str, tuple[int, ...]]]:
     return found
 
 
+def period_of(parts: DeckParts, step: int) -> float:
+    """Period of a step of the deck [time]."""
+    steps = [k for k, b in enumerate(parts.blocks) if b.keyword == "STEP"]
+    for block in parts.blocks[steps[step - 1]:]:
+        if block.keyword == "STATIC":
+            row = block.data[0] if block.data else []
+            return float(row[1]) if len(row) > 1 and row[1] is not None else 1.0
+        if block.keyword == "END STEP":
+            break
+    return 1.0
+
+
 @dataclass
 class Body:
     """One body of a deck, as its cards have it.

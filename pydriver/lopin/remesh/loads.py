@@ -22,6 +22,9 @@ PRESSING = 0.2
 NOTHING = 1e-7
 #: Forces inside above this share of the largest tell that the state is not one of balance.
 AT_REST = 1e-3
+#: Shares of forces that fade by which their resultants, and the sums of their sizes, may differ on
+#: a new skin: those that pull at it are no tractions that press.
+GONE, ASTRAY = 1e-3, 0.1
 
 
 @dataclass
@@ -69,17 +72,54 @@ class Samples:
         return traction*(self.weight*pressing)[..., None]
 
 
-def loads_of(body: Body, mesh: NewMesh, last: Snapshot, held: NDArray, tools: Tools
-             ) -> NDArray | None:
+def loads_of(body: Body, mesh: NewMesh, last: Snapshot, held: NDArray, tools: Tools,
+             left: float = 0.0) -> NDArray | None:
     """Forces that act on the skin of the new mesh (node, ndim): those of the old one, as tractions
     along it, with their resultants; None where nothing acts. `held`: degrees of freedom of the old
-    nodes that supports hold."""
+    nodes that supports hold. `left`: share that still acts of what the step has let go of."""
     force = last.forces_on(body)
     inside = np.setdiff1d(np.arange(len(force)), body.facets)
     if np.abs(force[inside]).max(initial=0.0) > AT_REST*np.abs(force).max():
         return None   # the stresses are not all that acts inside
+    fades = left*fading(body, mesh, last)
+    if fades.any():
+        force = force - left*last.fading_on(body)
+        force[np.abs(force) < NOTHING*np.abs(fades).max()] = 0.0
     force[held] = 0.0
-    force[inside] = 0.0
+    found = carried(force, body, mesh, last)
+    if found is None:
+        return fades if fades.any() else None
+    return _on_the_tools(found, body, mesh, tools) + fades
+
+
+def fading(body: Body, mesh: NewMesh, last: Snapshot) -> NDArray:
+    """What the step has let go of and fades over it, as it was where the step began, on the nodes
+    of the new mesh (node, ndim)."""
+    force = last.fading_on(body)
+    if not force.any():
+        return np.zeros_like(mesh.x)
+    found, size = carried(force, body, mesh, last), float(np.abs(force).sum())
+    if found is None or np.abs(found.sum(axis=0) - force.sum(axis=0)).max() > GONE*size or \
+            abs(float(np.abs(found).sum()) - size) > ASTRAY*size:
+        return _by_nodes(force, last.x, mesh)
+    return found
+
+
+def _by_nodes(force: NDArray, x: NDArray, mesh: NewMesh) -> NDArray:
+    """Forces of old nodes at x, by the nodes of the new facets that these are on (node, ndim)."""
+    acts = np.flatnonzero(np.abs(force).any(axis=1))
+    closest = closest_on_facets if x.shape[1] == 3 else closest_on_edges
+    facet, share = closest(x[acts], mesh.x, mesh.facets)
+    found = np.zeros_like(mesh.x)
+    np.add.at(found, mesh.facets[facet], share[:, :, None]*force[acts][:, None, :])
+    return found
+
+
+def carried(force: NDArray, body: Body, mesh: NewMesh, last: Snapshot) -> NDArray | None:
+    """Forces that press the skin (node, ndim) on the new one, as tractions along it with their
+    resultants; None where nothing acts."""
+    force = force.copy()
+    force[np.setdiff1d(np.arange(len(force)), body.facets)] = 0.0
     force[np.abs(force).max(axis=1) < NOTHING*np.abs(force).max()] = 0.0
     old, new = body.facets, mesh.facets   # a tool may press a face that a support holds along it
     if not force.any():
@@ -98,7 +138,7 @@ def loads_of(body: Body, mesh: NewMesh, last: Snapshot, held: NDArray, tools: To
         acts[own] = _with_resultant(acts[own], bore[piece == k].sum(axis=(0, 1)))
     found = np.zeros_like(mesh.x)
     _add(found, new, np.einsum("fsd,sk->fkd", acts.reshape(now.place.shape), now.shape))
-    return _on_the_tools(found, body, mesh, tools)
+    return found
 
 
 def _tractions(force: NDArray, skin: Samples, facets: NDArray) -> NDArray:

@@ -11,8 +11,9 @@ from ..deck import Block, Deck
 from ..errors import UsageError
 from ..points import Points
 from .balance import depth_of, elasticity, in_balance
-from .body import Body, DeckParts, direct_labels, pair_names, read_body, refused
+from .body import Body, DeckParts, direct_labels, pair_names, period_of, read_body, refused
 from .card import RemeshCard
+from .loads import fading
 from .part import NewMesh, SkinOrigin, new_labels, next_deck, state_block
 from .planar import remesh_plane
 from .plane import worst_corner
@@ -55,14 +56,12 @@ def remake(deck: Deck, last: Snapshot, tools: Tools, card: RemeshCard, why: str,
     parts = DeckParts.of(deck)
     direct_labels(parts, read_body(parts, card.elset))
     body = read_body(parts, card.elset)
-    if last.loaded(body):
-        raise refused("loads act on nodes of the body that is meshed anew",
-                      "load a surface by *DSLOAD, or a tool")
     x, cells, owner = point_cells(last, body)
     fields = cell_fields(x, cells, *owner)
     make = remesh_plane if body.ndim == 2 else remesh_space
     mesh, moved, origin = make(body, last, card, tools, fields)
     refuse_lost_names(body, last.x, mesh)
+    fades = fading(body, mesh, last)
     states, weights = transfer(fields, Locator(x, cells), mesh.x, mesh.cells, body.axisymmetric)
     states, over, unbalanced = in_balance(parts, body, mesh, states, weights, last, tools, folder)
     done = Remesh(part, last.clock.total, why, sum(len(c) for c in mesh.cells),
@@ -74,7 +73,8 @@ def remake(deck: Deck, last: Snapshot, tools: Tools, card: RemeshCard, why: str,
     settles = settling(last, parts)
     start = [state_block(parts, body, mesh, states), *kept_block(tools.session, body),
              *traction_block(parts, body, mesh, last, origin),
-             start_block(body, last, parts, 0.0, seating=settles)]
+             start_block(body, last, parts, 0.0, seating=settles,
+                         fades=fading_rows(parts, body, mesh, fades))]
     return next_deck(parts, body, mesh, name, folder, start), done
 
 
@@ -180,29 +180,26 @@ def traction_block(parts: DeckParts, body: Body, mesh: NewMesh, last: Snapshot,
 def settling(last: Snapshot, parts: DeckParts) -> float:
     """Over which time a new mesh comes to balance and is pressed out of the tools [time]."""
     clock = last.clock
-    return max(SETTLES*clock.increment, LEAST*_period(parts, clock.step))
+    return max(SETTLES*clock.increment, LEAST*period_of(parts, clock.step))
 
 
 def start_block(body: Body, last: Snapshot, parts: DeckParts, release: float,
-                seating: float = 0.0) -> Block:
+                seating: float = 0.0, fades: list[list] | None = None) -> Block:
     """*START: the clock, and what has moved; what is out of balance fades over `release`, and
-    nodes inside tools are pressed out over `seating` [time]."""
+    nodes inside tools are pressed out over `seating` [time]. `fades`: rows of what the step lets
+    go of."""
     clock = last.clock
-    rest = REST*(_period(parts, clock.step) or max(clock.time, clock.increment))
+    rest = REST*(period_of(parts, clock.step) or max(clock.time, clock.increment))
     rows = [[int(r[0]), int(r[1]), *map(float, r[2:])] for r in last.moved(body)]
-    fades = {key: value for key, value in (("RELEASE", release), ("SEATING", seating))
+    lasts = {key: value for key, value in (("RELEASE", release), ("SEATING", seating))
              if value > 0.0}
     return Block("START", {"STEP": clock.step, "BEGUN": clock.begun, "TIME": clock.time,
-                           "REST": rest, "INCREMENT": clock.increment, **fades}, rows)
+                           "REST": rest, "INCREMENT": clock.increment, **lasts},
+                 rows + (fades or []))
 
 
-def _period(parts: DeckParts, step: int) -> float:
-    """Period of a step of the deck [time]."""
-    steps = [k for k, b in enumerate(parts.blocks) if b.keyword == "STEP"]
-    for block in parts.blocks[steps[step - 1]:]:
-        if block.keyword == "STATIC":
-            row = block.data[0] if block.data else []
-            return float(row[1]) if len(row) > 1 and row[1] is not None else 1.0
-        if block.keyword == "END STEP":
-            break
-    return 1.0
+def fading_rows(parts: DeckParts, body: Body, mesh: NewMesh, fades: NDArray) -> list[list]:
+    """Rows of *START of forces on the nodes of a new mesh (node, ndim) that fade over the step."""
+    node, _ = new_labels(parts, body, mesh)
+    return [[int(node[n]), int(k) + 1, 0.0, 0.0, float(fades[n, k])]
+            for n, k in zip(*np.nonzero(fades))]

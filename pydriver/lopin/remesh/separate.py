@@ -21,7 +21,7 @@ from .body import (
 )
 from .part import NewMesh, SkinOrigin, next_deck, state_block
 from .plane import crossings, worst_corner
-from .remake import kept_block, start_block, traction_block
+from .remake import fading_rows, kept_block, start_block, traction_block
 from .report import Remesh
 from .scrap import bodies, by_group, loose, pieces, split
 from .state import Snapshot
@@ -174,9 +174,6 @@ def separate(deck: Deck, last: Snapshot, session, gone: NDArray, elset: str, why
     direct_labels(parts, read_body(parts, elset))
     body = read_body(parts, elset)
     points = last.points
-    if last.loaded(body):
-        raise refused("loads act on nodes of the body that separates",
-                      "load a surface by *DSLOAD, or a tool")
     found = loose(parts, body, last, gone)
     volume = np.bincount(rows_of(body, points), points.volume, len(gone) + 1)
     if not (gone.any() or found):
@@ -190,7 +187,7 @@ def separate(deck: Deck, last: Snapshot, session, gone: NDArray, elset: str, why
     mesh, old = without(body, last.x, gone, in_contact(parts.blocks))
     parts.cards.nsets.setdefault(CUT[1], [])
     states = states_of_rest(body, points, gone)
-    skin = np.unique(mesh.facets)
+    skin, times = np.unique(mesh.facets), np.bincount(old)[old][:, None]
     origin = SkinOrigin(skin, old[skin][:, None], np.ones((len(skin), 1)))
     why = f"{int(torn_off)} elements separate, {why}" if torn_off else "pieces come loose"
     done = Remesh(part, last.clock.total, why, sum(len(c) for c in mesh.cells),
@@ -200,5 +197,7 @@ def separate(deck: Deck, last: Snapshot, session, gone: NDArray, elset: str, why
                   pieces=sum(1 for _ in pieces(body, gone)))
     start: list[Block] = [state_block(parts, body, mesh, states), *kept_block(session, body),
                           *traction_block(parts, body, mesh, last, origin),
-                          start_block(body, last, parts, FADING*last.clock.increment)]
+                          start_block(body, last, parts, FADING*last.clock.increment,
+                                      fades=fading_rows(parts, body, mesh,
+                                                        last.fading_on(body)[old]/times))]
     return next_deck(parts, body, mesh, name, folder, start), done

@@ -57,10 +57,11 @@ class Snapshot:
         stays = ~np.isin(self.motion[:, 0], body.labels)
         return self.motion[stays & (np.abs(self.motion[:, 2:]) > 0.0).any(axis=1)]
 
-    def loaded(self, body: Body) -> bool:
-        """Whether loads act on nodes of the body."""
-        own = np.isin(self.motion[:, 0], body.labels)
-        return bool((np.abs(self.motion[own, 4]) > 0.0).any())
+    def fading_on(self, body: Body) -> NDArray:
+        """What the nodes of a body bore, where the step began, of supports and pairs that it lets
+        go of (node, ndim): it fades over the step. Other loads on nodes are refused at the start.
+        """
+        return of_nodes(body, self.motion[:, [0, 1, 4]])
 
 
 def present_places(body: Body, motion: NDArray) -> NDArray:
