@@ -322,14 +322,12 @@ def wear(options) -> int:
 def flc(options) -> int:
     """Strains of a sheet at the end of a run beside a forming limit curve, as a table."""
     from . import open_result
-    from .forming_limit import read_curve, sheet_strains
+    from .forming_limit import read_curve, strains_of
 
     folder = result_folder(options.folder)
     result = open_result(folder)
     curve = read_curve(options.curve.read_text()) if options.curve else None
-    shape = result.to_meshio()
-    found = sheet_strains(shape, shape.point_data["U"], curve, normal=options.normal,
-                          axisymmetric=options.axisymmetric)
+    found = strains_of(result, curve, normal=options.normal, axisymmetric=options.axisymmetric)
     return _tell_table(found, options.output or folder/"flc.csv")
 
 

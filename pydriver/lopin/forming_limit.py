@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .errors import UsageError
+from .result import refuse_meshes
 
 #: Corners of the cells that a sheet may be made of, by the first letters of meshio's names.
 _CORNERS = {"triangle": 3, "quad": 4, "tetra": 4, "wedge": 6, "hexahedron": 8}
@@ -82,6 +83,36 @@ def read_curve(text: str) -> NDArray:
     return points
 
 
+def strains_of(result, curve: ArrayLike | None = None, *, axisymmetric: bool = False,
+               normal: ArrayLike | None = None) -> SheetStrains:
+    """Strains in the plane of a sheet at the end of a run, by the kind of its model.
+
+    Parameters
+    ----------
+    result : of `lopin.run` or `lopin.open_result`
+    curve : points (minor, major)
+    axisymmetric : the kind of a run that has no summary
+    normal : of the blank before it was formed; default: z in plane stress, else the direction in
+        which it is thinnest
+    """
+    refuse_meshes(result, "strains count from the mesh of the start, and the last mesh is another")
+    kind = (result.summary.get("model") or {}).get("kind", "")
+    if axisymmetric and kind not in ("", "axisymmetric"):
+        raise UsageError(f"the run is {kind}, not axisymmetric", help="leave --axisymmetric out")
+    shape = result.to_meshio()
+    if "U" not in shape.point_data:
+        raise UsageError("the run has no displacements at its nodes",
+                         help="ask for them: *NODE FILE with U, or *OUTPUT, FIELD, "
+                              "VARIABLE=PRESELECT")
+    if kind == "plane stress":
+        normal = [0.0, 0.0, 1.0] if normal is None else normal
+        if np.any(np.asarray(normal, float)[:2]):
+            raise UsageError("in plane stress a sheet lies in the plane of its mesh: its normal is "
+                             "0 0 1", help="leave --normal out")
+    return sheet_strains(shape, shape.point_data["U"], curve, normal=normal,
+                         axisymmetric=axisymmetric or kind == "axisymmetric")
+
+
 def sheet_strains(mesh, displacement: ArrayLike, curve: ArrayLike | None = None, *,
                   axisymmetric: bool = False, normal: ArrayLike | None = None) -> SheetStrains:
     """Strains in the plane of a sheet, of all its cells.
@@ -92,7 +123,8 @@ def sheet_strains(mesh, displacement: ArrayLike, curve: ArrayLike | None = None,
     displacement : of its points (point, ndim)
     curve : points (minor, major)
     axisymmetric : the plane is (r, z): the third strain is that of the hoop
-    normal : of the blank before it was formed; default: the direction in which it is thinnest
+    normal : of the blank before it was formed; default: the direction in which it is thinnest.
+        Across the plane of a mesh (0, 0, 1): both strains are those of the plane
     """
     blocks = [(c.type, np.asarray(c.data)) for c in mesh.cells if _corners(c.type)]
     flat = all(name.startswith(("triangle", "quad")) for name, _ in blocks)
@@ -102,7 +134,7 @@ def sheet_strains(mesh, displacement: ArrayLike, curve: ArrayLike | None = None,
     if normal is None:
         used = np.unique(np.concatenate([c.ravel() for _, c in blocks]))
         normal = np.eye(d)[int(np.argmin(np.ptp(x[used], axis=0)))]
-    unit = np.asarray(normal, float)[:d]/np.linalg.norm(np.asarray(normal, float)[:d])
+    unit = _unit(normal, d)
     places, strains = [], []
     for name, cells in blocks:
         corner = cells[:, :_corners(name)]
@@ -114,13 +146,23 @@ def sheet_strains(mesh, displacement: ArrayLike, curve: ArrayLike | None = None,
             hoop = after[:, :, 0].mean(axis=1)/before[:, :, 0].mean(axis=1) if axisymmetric else 1.0
             metric[:, 2, 2] = hoop**2
         places.append(after.mean(axis=1))
-        strains.append(0.5*np.log(in_plane(metric, np.r_[unit, np.zeros(3 - d)])))
+        strains.append(0.5*np.log(in_plane(metric, unit)))
     place, strain = np.vstack(places), np.vstack(strains)
     limit = np.full(len(strain), np.nan)
     if curve is not None:
         points = np.asarray(curve, float)
         limit = np.interp(strain[:, 0], *points.T, left=np.nan, right=np.nan)
     return SheetStrains(place, strain[:, 1], strain[:, 0], limit)
+
+
+def _unit(normal: ArrayLike, d: int) -> NDArray:
+    """A direction in space, of length 1."""
+    given = np.atleast_1d(np.asarray(normal, float))
+    length = np.linalg.norm(given)
+    if given.shape not in ((d,), (3,)) or not 0.0 < length < np.inf:
+        raise UsageError(f"{', '.join(f'{v:g}' for v in given)} is no normal",
+                         help="its components in space, not all 0: 0 0 1")
+    return np.r_[given/length, np.zeros(3 - len(given))]
 
 
 def _corners(name: str) -> int:

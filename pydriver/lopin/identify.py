@@ -130,7 +130,9 @@ class Ring:
     deck : axisymmetric, with one *FRICTION
     bore : node set
     place : `middle` of the height, at the `plate`, or the `mean` of both sides' whole bore
-    half : supports hold nodes of the ring along the axis: the deck has half of its height
+    half : a plane at an end of the ring is held along the axis: the deck has half of its height
+    labels : of the nodes of the bore
+    lower : that plane is the upper one: the deck has the lower half
     """
 
     deck: Deck
@@ -138,6 +140,7 @@ class Ring:
     place: str
     half: bool
     labels: NDArray
+    lower: bool = False
 
     @classmethod
     def of(cls, deck: Deck, bore: str = "BORE", place: str = "middle") -> Ring:
@@ -153,11 +156,11 @@ class Ring:
             raise UsageError(f"the deck has no node set {bore}",
                              help=f"name that of the bore by --bore: {', '.join(cards.nsets)}")
         body = {n for _, nodes in cards.elements.values() for n in nodes}
-        half = any(_holds_height(row) and body & _nodes(row[0], cards.nsets)
-                   for block in expanded(deck) if block.keyword == "BOUNDARY"
-                   for row in block.data)
-        return cls(deck, bore.upper(), place, half,
-                   np.array(sorted(set(cards.nsets[bore.upper()]) & body)))
+        held = {n for block in expanded(deck) if block.keyword == "BOUNDARY" for row in block.data
+                if _holds_height(row) for n in body & _nodes(row[0], cards.nsets)}
+        side = _held_end({n: cards.nodes[n][1] for n in body}, held)
+        return cls(deck, bore.upper(), place, bool(side),
+                   np.array(sorted(set(cards.nsets[bore.upper()]) & body)), side == "upper")
 
     def start(self) -> tuple[float, float, float]:
         """Outer and inner diameter and height before the test [length]."""
@@ -195,11 +198,12 @@ class Ring:
         """Of the bore at the place that was measured, from its nodes in the present shape."""
         x = x[np.argsort(x[:, 1])]
         r, z = x.T
+        middle, plate = (-1, 0) if self.lower else (0, -1)
         if self.place == "plate":
-            return float(r[-1])
+            return float(r[plate])
         if self.place == "mean":
             return float((0.5*(r[1:] + r[:-1])*np.diff(z)).sum()/np.ptp(z))
-        return float(r[0] if self.half else np.interp(0.5*(z[0] + z[-1]), z, r))
+        return float(r[middle] if self.half else np.interp(0.5*(z[0] + z[-1]), z, r))
 
     def curve(self, law: str, table: Table) -> Callable[[float], NDArray]:
         """Computed diameters at the heights of a table, of a coefficient."""
@@ -246,6 +250,28 @@ def _holds_height(row) -> bool:
     return int(row[1]) <= 2 <= int(last)
 
 
+def _held_end(height: dict[int, float], held: set[int]) -> str:
+    """At which end of the ring a plane is held along the axis; empty: at none, the ring is whole.
+
+    Nodes that are held within its height, as against drifting, hold no plane of symmetry.
+    """
+    z = np.array(list(height.values()))
+    ends = {"lower": z.min(), "upper": z.max()}
+    found = []
+    for side, level in ends.items():
+        plane = {n for n, at in height.items() if abs(at - level) <= 1e-6*np.ptp(z)}
+        if plane <= held:
+            found.append(side)
+        elif plane & held:
+            raise UsageError(f"{len(plane & held)} of the {len(plane)} nodes of the {side} end of "
+                             "the ring are held along the axis: is that its middle, or its plate?",
+                             help="hold all of them in half of a ring, none in a whole one")
+    if len(found) == 2:
+        raise UsageError("both ends of the ring are held along the axis",
+                         help="half of a ring is held in the middle of its height")
+    return "".join(found)
+
+
 def _nodes(what, nsets) -> set[int]:
     return {what} if isinstance(what, int) else set(nsets.get(str(what).upper(), []))
 
@@ -256,7 +282,7 @@ def identify(deck: Deck, table: Table, law: str = "", bore: str = "BORE", place:
 
     Parameters
     ----------
-    deck : of a ring, whole or the upper half of its height
+    deck : of a ring, whole or half of its height, the upper or the lower
     table : what was measured
     law : TRESCA or COULOMB; that of the deck if empty
     bore : node set of the bore

@@ -267,6 +267,14 @@ class Result:
                 f"{len(self.warnings)} warnings)")
 
 
+def refuse_meshes(result, why: str) -> None:
+    """A run whose mesh was made anew has other points in each part."""
+    parts = getattr(result, "summary", {}).get("parts", 1)
+    if parts > 1:
+        raise UsageError(f"the run has {parts} meshes (*REMESH): {why}",
+                         help="run it without *REMESH")
+
+
 def _columns(name: str, values: NDArray) -> list[tuple[str, NDArray]]:
     """Columns of a table: one for a scalar, one for each component of a vector."""
     if values.ndim == 1 or values.shape[1] == 1:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .errors import UsageError
+from .result import refuse_meshes
 
 
 @dataclass(frozen=True)
@@ -61,6 +62,7 @@ def wear(result, pair: str | int = 0, cell: float | None = None) -> Wear:
     pair : slave surface, SLAVE-MASTER, or number
     cell : distance of the places on the tool; the mean distance of slave points unless given
     """
+    refuse_meshes(result, "wear is summed at slave points, and each mesh has others")
     history = result.contact(pair)
     count = len(result.times)
     if count < 2:

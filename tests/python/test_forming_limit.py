@@ -57,14 +57,14 @@ def test_strains_outside_a_curve_are_not_judged_and_it_says_so():
         read_curve("minor, major\n0, 0.3\n")
 
 
-def test_the_command_reads_a_run(core, tmp_path, capsys):
-    """A strip drawn out by a tenth between grips, plane strain: major ln 1.1, minor 0."""
-    (tmp_path/"strip.inp").write_text("""*NODE
-1, 0., 0.
-2, 4., 0.
-3, 4., 1.
-4, 0., 1.
-*ELEMENT, TYPE=CPE4, ELSET=SHEET
+def strip(word, x=0.0, more=""):
+    """A strip of one element of 4 by 1 whose end is drawn out by a tenth."""
+    return f"""*NODE
+1, {x!r}, 0.
+2, {x + 4.0!r}, 0.
+3, {x + 4.0!r}, 1.
+4, {x!r}, 1.
+*ELEMENT, TYPE={word}, ELSET=SHEET
 1, 1, 2, 3, 4
 *MATERIAL, NAME=STEEL
 *ELASTIC
@@ -83,8 +83,13 @@ def test_the_command_reads_a_run(core, tmp_path, capsys):
 *BOUNDARY
 2, 1, 1, 0.4
 3, 1, 1, 0.4
-*END STEP
-""")
+{more}*END STEP
+"""
+
+
+def test_the_command_reads_a_run(core, tmp_path, capsys):
+    """A strip drawn out by a tenth between grips, plane strain: major ln 1.1, minor 0."""
+    (tmp_path/"strip.inp").write_text(strip("CPE4"))
     (tmp_path/"curve.csv").write_text("-0.1, 0.12\n0.1, 0.08\n")
     assert main(["run", str(tmp_path/"strip.inp"), "-o", str(tmp_path/"out")]) == 0
     capsys.readouterr()
@@ -95,3 +100,38 @@ def test_the_command_reads_a_run(core, tmp_path, capsys):
     row = (tmp_path/"out"/"flc.csv").read_text().splitlines()[1].split(",")
     assert float(row[2]) == pytest.approx(np.log(1.1), rel=1e-6)
     assert float(row[3]) == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("word, x, more, minor", [
+    ("CPS4", 0.0, "", -0.5), ("CAX4", 40.0, "1, 1, 1, 4.\n4, 1, 1, 4.\n2, 1, 1, 4.4\n3, 1, 1, 4.4\n",
+                              1.0)])
+def test_the_kind_of_the_run_says_what_the_third_direction_is(core, tmp_path, capsys, word, x, more,
+                                                              minor):
+    """Plane stress: the sheet lies in the plane. Axisymmetric: the hoop grows by a tenth, too."""
+    (tmp_path/"strip.inp").write_text(strip(word, x, more))
+    assert main(["run", str(tmp_path/"strip.inp"), "-o", str(tmp_path/"out")]) == 0
+    words = ["flc", str(tmp_path/"out")]
+    assert main(words) == 0
+    row = (tmp_path/"out"/"flc.csv").read_text().splitlines()[1].split(",")
+    # Plane stress: by Poisson's ratio the elastic part narrows less.
+    assert float(row[2]) == pytest.approx(np.log(1.1), rel=1e-6)
+    assert float(row[3]) == pytest.approx(minor*np.log(1.1), rel=0.01 if word == "CPS4" else 1e-6)
+    if word == "CPS4":
+        assert main([*words, "--normal", "0", "0", "1"]) == 0
+        capsys.readouterr()
+        assert main([*words, "--axisymmetric"]) == 2
+        assert "the run is plane stress" in capsys.readouterr().err
+        assert main([*words, "--normal", "0", "1"]) == 2
+        assert "its normal is 0 0 1" in capsys.readouterr().err
+        assert main([*words, "--normal", "0", "0"]) == 2
+    else:
+        assert main([*words, "--axisymmetric"]) == 0
+
+
+def test_a_normal_across_the_plane_of_a_mesh_and_one_that_is_none():
+    x, mesh = sheet((4, 4), (1.0, 1.0))
+    found = sheet_strains(mesh, x*[1.2, 0.9] - x, normal=(0.0, 0.0, 2.0))
+    assert found.major == pytest.approx(np.log(1.2)) and found.minor == pytest.approx(np.log(0.9))
+    for wrong in ((0.0, 0.0), (1.0,), (0.0, np.nan, 1.0)):
+        with pytest.raises(lopin.UsageError, match="is no normal"):
+            sheet_strains(mesh, x, normal=wrong)

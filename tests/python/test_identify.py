@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 import lopin
+from lopin import mesh_make
 from lopin.__main__ import python_command
 from lopin.closed_form import ring_bore
 from lopin.identify import Ring, Table, fit, identify
@@ -79,3 +80,75 @@ def test_a_table_may_say_more(tmp_path):
     path.write_text("# Ti6Al4V, glass at 900 C\nheight, inner, force\n8, 14.5, 100\n6, 13.9, 180\n")
     table = Table.read(path)
     assert table.height.tolist() == [8.0, 6.0] and table.inner.tolist() == [14.5, 13.9]
+
+
+def small_ring(kind):
+    """A ring of 18/9/6: upper or lower half, or whole with a node of its middle held."""
+    low, high, turn = {"upper": (0.0, 3.0, 1.0), "lower": (-3.0, 0.0, -1.0)}.get(kind,
+                                                                              (-3.0, 3.0, 1.0))
+    rows = 3 if high - low < 4.0 else 6
+    mesh = mesh_make.block((4.5, high - low), (4, rows), origin=(4.5, low))
+    x = mesh.points
+    held = np.abs(x[:, 1]) < 1e-9
+    held &= (x[:, 0] > 8.9) | (kind in ("upper", "lower"))
+    nodes = "".join(f"{k + 1}, {r!r}, {z!r}\n" for k, (r, z) in enumerate(x.tolist()))
+    cells = "".join(f"{k + 1}, {', '.join(str(n + 1) for n in c)}\n"
+                    for k, c in enumerate(mesh.blocks[0][1]))
+    sets = "".join(f"*NSET, NSET={name}\n" + "".join(f"{n + 1}\n" for n in np.flatnonzero(on))
+                   for name, on in (("BORE", x[:, 0] < 4.6), ("HELD", held)))
+    sides = [turn] if rows == 3 else [1.0, -1.0]
+    tools = "".join(f"*SURFACE, NAME=T{k}, TYPE=SEGMENTS\nSTART, {20.0*s!r}, {3.0*s!r}\nLINE, "
+                    f"{-20.0*s!r}, {3.0*s!r}\n*NODE, NSET=Q{k}\n{9000 + k}, 0., {9.0*s!r}\n"
+                    f"*RIGID BODY, ANALYTICAL SURFACE=T{k}, REF NODE=Q{k}\n"
+                    for k, s in enumerate(sides))
+    supports = "".join(f"Q{k}, 1\nQ{k}, 6\n" for k in range(len(sides)))
+    moves = "".join(f"Q{k}, 2, 2, {-0.6*s!r}\n" for k, s in enumerate(sides))
+    pairs = "".join(f"SKIN, T{k}\n" for k in range(len(sides)))
+    return lopin.Deck.parse(f"""*NODE
+{nodes}*ELEMENT, TYPE=CAX4, ELSET=B
+{cells}{sets}*SURFACE, NAME=SKIN
+B,
+*MATERIAL, NAME=M
+*ELASTIC
+70000., .3
+*PLASTIC
+200., 0.
+300., 1.
+*SOLID SECTION, ELSET=B, MATERIAL=M
+{tools}*SURFACE INTERACTION, NAME=I
+*SURFACE BEHAVIOR, DIRECT
+*FRICTION, LAW=TRESCA
+.2
+*CONTACT PAIR, INTERACTION=I
+{pairs}*BOUNDARY
+HELD, 2
+{supports}*STEP, NLGEOM
+*STATIC, DIRECT
+.2, 1.
+*BOUNDARY
+{moves}*END STEP
+""", name="ring")
+
+
+def test_either_half_of_a_ring_and_a_whole_one_are_the_same_ring(core):
+    for place in ("middle", "plate", "mean"):
+        found = {}
+        for kind in ("upper", "lower", "whole"):
+            ring = Ring.of(small_ring(kind), place=place)
+            assert ring.start() == pytest.approx((18.0, 9.0, 6.0))
+            assert ring.half == (kind != "whole")
+            found[kind] = ring.history("TRESCA", 0.2)
+        for kind in ("lower", "whole"):
+            for own, upper in zip(found[kind], found["upper"]):
+                assert own == pytest.approx(upper, rel=1e-6)
+
+
+def test_a_ring_whose_end_is_held_in_part_is_refused():
+    deck = small_ring("upper")
+    deck["BOUNDARY"].data[0][0] = 1
+    with pytest.raises(lopin.UsageError, match="1 of the 5 nodes of the lower end"):
+        Ring.of(deck)
+    deck = small_ring("whole")
+    text = deck.text().replace("HELD, 2", "B, 2").replace("*NODE\n", "*NODE, NSET=B\n", 1)
+    with pytest.raises(lopin.UsageError, match="both ends"):
+        Ring.of(lopin.Deck.parse(text, name="ring"))

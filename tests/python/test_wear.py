@@ -4,9 +4,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from test_point_states import deck, grid
 
 import lopin
-from lopin.__main__ import python_command
+from lopin.__main__ import main, python_command
 from lopin.wear import wear
 
 DECKS = Path(__file__).resolve().parents[2]/"decks"
@@ -91,3 +92,16 @@ def test_wear_needs_outputs_and_a_tool_that_does_not_turn():
     turning.history["FLOOR.u6"] = np.linspace(0.0, 1.0, 61)
     with pytest.raises(lopin.UsageError, match="turns"):
         wear(turning)
+
+
+def test_a_run_with_new_meshes_has_neither_wear_nor_strains_of_its_blank(core, tmp_path, capsys):
+    scene = deck("CAX4", *grid("CAX4"), 5.0, -1.0, mu=0.0, increments=10)
+    text = scene.text().replace("*STEP", "*REMESH, ELSET=B, PERIOD=.3, STRAIN=9.\n*STEP").replace(
+        "*END STEP", "*OUTPUT, FIELD, VARIABLE=PRESELECT\n*END STEP")
+    lopin.Deck.parse(text).write(tmp_path/"disc.inp")
+    assert main(["run", str(tmp_path/"disc.inp"), "-o", str(tmp_path/"out")]) == 0
+    capsys.readouterr()
+    for word, what in (("wear", "slave points"), ("flc", "strains count")):
+        assert main([word, str(tmp_path/"out")]) == 2
+        said = capsys.readouterr().err
+        assert "meshes (*REMESH)" in said and what in said
