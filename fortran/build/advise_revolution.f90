@@ -12,7 +12,7 @@ module lopin_advise_revolution
    use lopin_tool, only : tool_type, foot_type
    use lopin_model, only : model_type, step_type, kind_of, surface_of
    use lopin_advise_symmetry, only : compares
-   use lopin_mirror_scene, only : points_near
+   use lopin_mirror_scene, only : points_near, feet_differ
    use lopin_revolution, only : revolution_type, find_revolution, edges_are_circles
    implicit none
    private
@@ -100,19 +100,20 @@ contains
    end function is_of_revolution
 
    !> Every point of a tool near the bodies, and beside it, and every node, keeps its distance when
-   !> it is turned.
+   !> it is turned, and, but in the corners of the box around them, lies as far beyond an end.
    logical function tool_revolves(model, scene, shape) result(revolves)
       type(model_type), intent(in) :: model
       type(revolution_type), intent(in) :: scene
       class(tool_type), intent(in) :: shape
       real(wp), parameter :: angle(3) = [0.37_wp, 1.6_wp, 3.5_wp]
       real(wp), allocatable :: points(:, :)
-      real(wp) :: extent, x(3), turned(3), y(2)
+      real(wp) :: extent, x(3), turned(3), y(2), reach
       type(foot_type) :: own, image
       integer :: i, k, side
 
       revolves = .false.
       call points_near(model%mesh%x, shape, points, extent)
+      reach = maxval(scene%r, mask=scene%body) + extent
       do i = 1, size(points, 2)
          call shape%project(points(:, i), own)
          do side = -1, 1
@@ -125,8 +126,8 @@ contains
                   & + [cos(angle(k))*y(1) - sin(angle(k))*y(2), sin(angle(k))*y(1) &
                   & + cos(angle(k))*y(2)]
                call shape%project(turned, image)
-               if (own%found .neqv. image%found) return
-               if (abs(own%gap - image%gap) > 1.0e-6_wp*extent) return
+               if (norm2(y) > reach) image%overhang = own%overhang
+               if (feet_differ(own, image, extent)) return
             end do
          end do
       end do

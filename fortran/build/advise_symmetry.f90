@@ -10,11 +10,12 @@ module lopin_advise_symmetry
    use lopin_cells, only : cell_type
    use lopin_element_type, only : cells_of_words
    use lopin_model, only : model_type, step_type, kind_of
+   use lopin_pair_activity, only : active_pairs
    use lopin_mirror, only : mirror_type, new_mirror, image_of_face
    use lopin_mirror_scene, only : scene_mirror_type, mirror_scene, differs
    implicit none
    private
-   public :: advise_symmetry, compares
+   public :: advise_symmetry, compares, made_of
 
    character(len=1), parameter :: axis_name(3) = ['x', 'y', 'z']
 
@@ -124,6 +125,9 @@ contains
          end do
       end if
       do i = 1, size(model%step)
+         associate (active => active_pairs(model, i))
+            if (any(active .neqv. active(scene%pair))) return
+         end associate
          if (.not. supports_are_images(model, mirror, scene, model%step(i))) return
          if (.not. loads_are_images(model, mirror, scene, model%step(i))) return
          if (.not. faces_are_images(model, cell, mirror, model%step(i))) return

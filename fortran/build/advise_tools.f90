@@ -1,6 +1,7 @@
 !> Advice on rigid tools of facets that are a plane, a sphere or a cylinder.
 !>
-!> Exact: all corners of the facets lie on one, to rounding of single precision, as STL files have.
+!> Exact: all corners of the facets lie on one, to rounding of single precision, as STL files have,
+!> and no slave comes near a place where they end: those surfaces have no holes and no rims.
 module lopin_advise_tools
    use lopin_kinds, only : wp
    use lopin_error, only : severity
@@ -9,6 +10,7 @@ module lopin_advise_tools
    use lopin_cells, only : cell_type
    use lopin_element_type, only : cells_of_words
    use lopin_tool_facets, only : facets_tool_type
+   use lopin_tool_ends, only : tool_ends_type, new_tool_ends, slave_reaches
    use lopin_model, only : model_type, surface_of
    implicit none
    private
@@ -27,6 +29,7 @@ module lopin_advise_tools
       real(wp), allocatable :: x(:, :)         !! (ndim, corners) [length]
       real(wp) :: edge = 0.0_wp                !! [length]
       real(wp), allocatable :: middle(:, :)    !! (ndim, edges) their middles [length]
+      type(tool_ends_type) :: ends
    end type facets_type
 
 contains
@@ -51,6 +54,7 @@ contains
             if (facets%n < least_facets) cycle
             call fit(facets, model%mesh%ndim, text, radius)
             if (len(text) == 0) cycle
+            if (slave_reaches(model, master, facets%ends, facets%x)) cycle
             call model%log%say(severity%note, 'N0366', 'the '//to_text(facets%n)//' facets of '// &
                & model%surface(master)%name//' are '//text, model%pair(p)%at, &
                & help='an analytic *RIGID BODY has no facets to search'//sag(facets, radius))
@@ -87,6 +91,7 @@ contains
                facets%x = tool%mesh%x
                allocate (facets%middle(3, 3*facets%n))
                call measure_edges(facets, tool%mesh%x, tool%mesh%vertex, 0)
+               call new_tool_ends(facets%ends, tool%mesh%x, tool%mesh%vertex)
             end select
          end if
       end associate
@@ -98,12 +103,13 @@ contains
       type(cell_type), intent(in) :: cell(:)
       integer, intent(in) :: element(:), face(:)
       logical :: used(model%mesh%nnode)
-      integer :: i, n, edges
+      integer :: i, n, edges, corner(4, size(element))
 
       used = .false.
       facets%n = size(element)
       allocate (facets%middle(model%mesh%ndim, 4*facets%n))
       edges = 0
+      corner = 0
       do i = 1, size(element)
          associate (c => cell(model%mesh%etype(element(i))))
             n = c%face_nnode(face(i))
@@ -112,12 +118,14 @@ contains
                if (n > 2) n = merge(3, 4, n == 3 .or. n == 6)
                if (n == 3 .and. model%mesh%ndim == 2) n = 2
                call measure_edges(facets, model%mesh%x, reshape(node(:n), [n, 1]), edges)
+               corner(:n, i) = node(:n)
                edges = edges + n
             end associate
          end associate
       end do
       facets%x = model%mesh%x(:, pack([(i, i=1, model%mesh%nnode)], used))
       facets%middle = facets%middle(:, :edges)
+      call new_tool_ends(facets%ends, model%mesh%x, corner)
    end subroutine take_faces
 
    !> Lengths and middles of the edges of facets, behind `before` others.

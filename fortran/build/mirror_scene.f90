@@ -10,7 +10,7 @@ module lopin_mirror_scene
    use lopin_mirror, only : mirror_type, image_of_face, image_of_point
    implicit none
    private
-   public :: scene_mirror_type, mirror_scene, differs, points_near
+   public :: scene_mirror_type, mirror_scene, differs, points_near, feet_differ
 
    !> Loads and places that differ by less than this share are equal.
    real(wp), parameter :: equal = 1.0e-9_wp
@@ -18,6 +18,7 @@ module lopin_mirror_scene
    type :: scene_mirror_type
       logical :: found = .false.               !! everything has an image
       integer, allocatable :: node(:)          !! (nnode) image, of reference nodes too; 0: none
+      integer, allocatable :: pair(:)          !! (npair) image of each
    end type scene_mirror_type
 
 contains
@@ -31,6 +32,7 @@ contains
       integer :: i, j
 
       self%node = mirror%node
+      allocate (self%pair(size(model%pair)), source=0)
       do i = 1, size(model%rigid_body)
          do j = 0, size(model%rigid_body)
             if (body_is_image(model, mirror, i, merge(i, j, j == 0))) exit
@@ -41,12 +43,20 @@ contains
                & model%rigid_body(merge(i, j, j == 0))%reference
          end associate
       end do
+      ! Of tools that stand at one place two would have one image.
+      do i = 1, size(model%rigid_body)
+         associate (reference => model%rigid_body(i)%reference)
+            if (self%node(self%node(reference)) /= reference) return
+         end associate
+      end do
       do i = 1, size(model%pair)
          do j = 0, size(model%pair)
-            if (pair_is_image(model, cell, mirror, i, merge(i, j, j == 0))) exit
+            if (pair_is_image(model, cell, mirror, self, [i, merge(i, j, j == 0)])) exit
          end do
          if (j > size(model%pair)) return
+         self%pair(i) = merge(i, j, j == 0)
       end do
+      if (any(self%pair(self%pair) /= [(i, i=1, size(self%pair))])) return
       self%found = .true.
    end subroutine mirror_scene
 
@@ -68,42 +78,46 @@ contains
    end function body_is_image
 
    !> The surfaces of a pair are images of those of another, and they act alike.
-   logical function pair_is_image(model, cell, mirror, pair, other) result(is)
+   logical function pair_is_image(model, cell, mirror, scene, both) result(is)
       type(model_type), intent(in) :: model
       type(cell_type), intent(in) :: cell(:)
       type(mirror_type), intent(in) :: mirror
-      integer, intent(in) :: pair, other
+      type(scene_mirror_type), intent(in) :: scene
+      integer, intent(in) :: both(2)           !! the pair, and that other one
 
-      associate (own => model%pair(pair), image => model%pair(other))
+      associate (own => model%pair(both(1)), image => model%pair(both(2)))
          is = own%interaction == image%interaction .and. own%before == image%before &
             & .and. own%first_step == image%first_step .and. own%last_step == image%last_step &
             & .and. (own%surface_to_surface .eqv. image%surface_to_surface) &
             & .and. (own%smooth .eqv. image%smooth) .and. (own%tied .eqv. image%tied) &
             & .and. (own%small_sliding .eqv. image%small_sliding) &
             & .and. (own%has_clearance .eqv. image%has_clearance) &
+            & .and. own%control%initial == image%control%initial &
             & .and. .not. differs(own%adjust, image%adjust) &
             & .and. .not. differs(own%clearance, image%clearance) &
             & .and. .not. differs(own%extension, image%extension)
-         if (is) is = surface_is_image(model, cell, mirror, own%slave, image%slave)
-         if (is) is = surface_is_image(model, cell, mirror, own%master, image%master)
+         if (is) is = surface_is_image(model, cell, mirror, scene, [own%slave, image%slave])
+         if (is) is = surface_is_image(model, cell, mirror, scene, [own%master, image%master])
       end associate
    end function pair_is_image
 
-   logical function surface_is_image(model, cell, mirror, surface, other) result(is)
+   logical function surface_is_image(model, cell, mirror, scene, both) result(is)
       type(model_type), intent(in) :: model
       type(cell_type), intent(in) :: cell(:)
       type(mirror_type), intent(in) :: mirror
-      integer, intent(in) :: surface, other
+      type(scene_mirror_type), intent(in) :: scene
+      integer, intent(in) :: both(2)           !! the surface, and that other one
       logical, allocatable :: has(:, :)
       real(wp) :: area(0:model%mesh%nnode)
       integer :: i, face
 
       is = .false.
-      if (surface == 0 .or. other == 0) return
-      associate (s => model%surface(surface), o => model%surface(other))
+      if (any(both == 0)) return
+      associate (s => model%surface(both(1)), o => model%surface(both(2)))
          if (s%kind /= o%kind) return
          if (s%kind == surface_of%tool) then
-            is = bodies_move_both(model, s%tool, o%tool)
+            is = bodies_are_images(model, scene, model%tool(s%tool)%rigid_body, &
+               & model%tool(o%tool)%rigid_body)
             if (is) is = tool_is_image(model, mirror, model%tool(s%tool)%shape, &
                & model%tool(o%tool)%shape)
          else if (s%kind == surface_of%nodes) then
@@ -130,12 +144,16 @@ contains
       end associate
    end function surface_is_image
 
-   !> Both tools are fixed in space, or both are moved by bodies.
-   pure logical function bodies_move_both(model, tool, other) result(both)
+   !> Two tools are both fixed in space, or the bodies that move them are each other's image.
+   pure logical function bodies_are_images(model, scene, body, other) result(are)
       type(model_type), intent(in) :: model
-      integer, intent(in) :: tool, other
-      both = model%tool(tool)%rigid_body > 0 .eqv. model%tool(other)%rigid_body > 0
-   end function bodies_move_both
+      type(scene_mirror_type), intent(in) :: scene
+      integer, intent(in) :: body, other       !! 0: fixed in space
+
+      are = body == 0 .and. other == 0
+      if (body == 0 .or. other == 0) return
+      are = scene%node(model%rigid_body(body)%reference) == model%rigid_body(other)%reference
+   end function bodies_are_images
 
    elemental logical function differs(a, b)
       real(wp), intent(in) :: a, b
@@ -143,7 +161,7 @@ contains
    end function differs
 
    !> Every point of a tool near the bodies, and beside it, and every node, has the distance that
-   !> its image has from another.
+   !> its image has from another, and lies as far beyond its end.
    logical function tool_is_image(model, mirror, shape, other) result(is)
       type(model_type), intent(in) :: model
       type(mirror_type), intent(in) :: mirror
@@ -161,12 +179,21 @@ contains
             x = points(:, i) + 0.1_wp*side*extent*own%normal(:shape%ndim)
             call shape%project(x, own)
             call other%project(image_of_point(mirror, x), image)
-            if (own%found .neqv. image%found) return
-            if (abs(own%gap - image%gap) > 1.0e-6_wp*extent) return
+            if (feet_differ(own, image, extent)) return
          end do
       end do
       is = .true.
    end function tool_is_image
+
+   !> Two points do not stand to a tool alike: beyond an end the gap goes on along the tangent.
+   pure logical function feet_differ(own, image, extent) result(differ)
+      type(foot_type), intent(in) :: own, image
+      real(wp), intent(in) :: extent           !! of the bodies [length]
+
+      differ = own%found .neqv. image%found
+      differ = differ .or. max(abs(own%gap - image%gap), abs(own%overhang - image%overhang)) &
+         & > 1.0e-6_wp*extent
+   end function feet_differ
 
    !> Points of a tool near the nodes of bodies, and some of these.
    subroutine points_near(nodes, shape, points, extent)

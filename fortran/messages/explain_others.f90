@@ -40,15 +40,18 @@ contains
       type(explanation_type), allocatable, intent(inout) :: list(:)
 
       call add_explanation(list, 'N0361', 'a scene of plane strain is meshed in space', &
-         & 'Every node is held in one direction in all steps, so that nothing varies along it.', &
+         & 'Every node is held in one direction in all steps, and mesh, sections, supports, '// &
+         & 'loads, contact surfaces and tools are the same at every height along it.', &
          & 'a plane deck (*ELEMENT, TYPE=CPE4 or CPE8, with the thickness under *SOLID '// &
          & 'SECTION) has the same answer for a fraction of the time.')
       call add_explanation(list, 'N0362', 'a meshed master is all but rigid', &
          & 'The elements of the master are at least a hundred times as stiff as those of the '// &
-         & 'slave: they take equations and hardly deform.', &
+         & 'slave, and the body is held behind the contact, so that it does not bend: they '// &
+         & 'take equations and hardly deform.', &
          & 'make it a *RIGID BODY, ELSET=, or a rigid profile; its stresses are then not known.')
       call add_explanation(list, 'N0363', 'increments that change nothing', &
-         & 'Elastic bodies of small strain without friction remember nothing: the end of a '// &
+         & 'Elastic bodies of small strain without friction and without NO SEPARATION '// &
+         & 'remember nothing: the end of a '// &
          & 'step whose loads grow in proportion is the same in one increment as in many.', &
          & 'leave the data line of *STATIC out, or keep the increments for results on the way.')
       call add_explanation(list, 'N0364', 'a plane of symmetry that is not used', &
@@ -65,8 +68,8 @@ contains
          & 'fraction of the time; forces are then those of the whole circumference.')
       call add_explanation(list, 'N0366', 'a tool of facets is a plane, a sphere or a cylinder', &
          & 'All corners of a rigid master of facets (elements or an STL file) lie on one such '// &
-         & 'surface. Facets are searched, their chords stand off it, and their edges may '// &
-         & 'ripple the force of a slide.', &
+         & 'surface, and it ends nowhere near the slave. Facets are searched, their chords '// &
+         & 'stand off it, and their edges may ripple the force of a slide.', &
          & 'make it a *SURFACE, TYPE=SEGMENTS, CYLINDER or REVOLUTION of lines and arcs.')
       call add_explanation(list, 'N0367', 'a slave much finer or coarser than its master', &
          & 'Both bodies deform alike, and the facets of the slave are less than a third of '// &
@@ -84,7 +87,7 @@ contains
          & 'scenes with straight cells.', &
          & 'take the linear word of the same cells, or larger cells of second order.')
       call add_explanation(list, 'N0369', 'a finite path (NLGEOM) for nothing', &
-         & 'At the end of every step the linear bodies, asked with the contact that was found, '// &
+         & 'After every increment the linear bodies, asked with the contact that was found, '// &
          & 'have all but the same displacements and work: two back substitutions by the '// &
          & 'tangent at hand, whose fall is measured. Of bodies in contact the worst counts. '// &
          & 'Said of elastic bodies without friction, whose loads keep their directions.', &

@@ -1,8 +1,8 @@
 !> A finite path (NLGEOM) for nothing: what the linear problem with the contact found would change.
 !>
 !> Strains and rotations alone say nothing of slender bodies, whose stiffness a stress changes. So
-!> the linear bodies are asked: at the end of a step, with the forces f of the bodies on the finite
-!> path and their linear stiffness K,
+!> the linear bodies are asked: after every increment, with the forces f of the bodies on the
+!> finite path and their linear stiffness K,
 !>
 !>    e_1 = T^-1 (f - K u),   e_2 = T^-1 (f - K (u + e_1)),
 !>
@@ -36,8 +36,9 @@ module lopin_needless_finite_path
    real(wp), parameter :: contracts = 0.5_wp, no_energy = 1.0e-12_wp
 
    type :: finite_path_type
-      real(wp) :: most = -1.0_wp        !! largest change by step [-]; below 0: not known
-      logical :: called_for = .false.   !! some step cannot be looked at, or needs it
+      real(wp) :: most = -1.0_wp        !! largest change by increment [-]; below 0: not known
+      real(wp) :: energy = 0.0_wp       !! twice the largest of all bodies [energy]
+      logical :: called_for = .false.   !! some increment cannot be looked at, or needs it
    contains
       procedure :: keep
    end type finite_path_type
@@ -50,20 +51,25 @@ contains
       type(stream_type), intent(inout) :: stream
 
       call stream%pass(self%most)
+      call stream%pass(self%energy)
       call stream%pass(self%called_for)
    end subroutine keep
 
-   !> After the last increment of a step under NLGEOM: the factor is that of its end.
+   !> After an increment under NLGEOM: the factor is that of its end. What goes up and comes back is
+   !> all but flat where its step ends.
    subroutine measure_finite_path(self, scene, model)
       type(finite_path_type), intent(inout) :: self
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       real(wp) :: change
 
-      if (self%called_for .or. scene%newton%time < model%step(scene%step)%period) return
+      if (self%called_for) return
+      ! Where nothing moved there is nothing new.
+      if (scene%newton%iterations == 0 .and. scene%newton%time < model%step(scene%step)%period) &
+         & return
       self%called_for = .not. may_be_needless(scene, model)
       if (self%called_for) return
-      call find_change(scene, model, change)
+      call find_change(scene, model, self%energy, change)
       self%called_for = .not. change <= worth_having
       self%most = max(self%most, change)
    end subroutine measure_finite_path
@@ -87,9 +93,10 @@ contains
    end function may_be_needless
 
    !> Of displacements in energy and of the work of all forces, on the body where it is largest [-].
-   subroutine find_change(scene, model, change)
+   subroutine find_change(scene, model, energy, change)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
+      real(wp), intent(inout) :: energy        !! twice the largest so far
       real(wp), intent(out) :: change
       type(csc_type) :: k
       type(error_type), allocatable :: error
@@ -105,6 +112,10 @@ contains
       u = scene%trial%motion%u(:scene%dofs%n)
       call k%multiply(u, force)
       call share_out_energy(scene, u, force, whole)
+      energy = max(energy, sum(whole))
+      change = 0.0_wp
+      if (sum(whole) <= no_energy*energy) return
+      change = huge(1.0_wp)
       call share_out_energy(scene, u, scene%newton%internal, work)
       left = scene%newton%internal - force
       do i = 1, 2

@@ -9,12 +9,15 @@ from ..model_read_mesh import expanded
 from ..result import Result
 
 _MEMORY = ("PLASTIC", "VISCOPLASTIC", "CREEP", "VISCO", "CHANGE FRICTION")
+_BEHAVIOURS = ("SURFACE BEHAVIOR", "CHANGE SURFACE BEHAVIOR")
 
 
 def depends_on_path(deck: Deck) -> bool:
-    """Whether the answer depends on the way to it: friction, metal that flows."""
+    """Whether the answer depends on the way to it: friction, metal that flows, NO SEPARATION."""
     for block in expanded(deck):
         if block.keyword in _MEMORY:
+            return True
+        if block.keyword in _BEHAVIOURS and "NO SEPARATION" in block.parameters:
             return True
         if block.keyword == "FRICTION" and _rubs(block):
             return True
