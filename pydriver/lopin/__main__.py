@@ -50,7 +50,7 @@ def forward(arguments: list[str]) -> int:
     deck = deck_of(arguments)
     if deck is not None:
         runs = (accuracy.run_asked, remesh.run_remeshed)
-        chosen = first_found(deck, [accuracy.CARD, remesh.CARD])
+        chosen = first_found(deck, [accuracy.asks, remesh.asks])
         if chosen is not None:
             return runs[chosen](deck, arguments)
     program = str(find_executable())

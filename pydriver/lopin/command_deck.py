@@ -2,15 +2,16 @@
 from __future__ import annotations
 
 import argparse
-import re
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from .model_read_mesh import plain
+from .deck import Block, heads
+from .model_read_mesh import DEEPEST, included
 
-_INCLUDE = re.compile(r"^\s*\*\s*INCLUDE\s*,[^\n]*INPUT\s*=\s*([^\n,]+)", re.I | re.M)
 #: Options of the executable that have a value, and those that do nothing in a run in parts.
-_VALUES, _PASSED_OVER = ("-o", "--output", "--solver", "--threads", "--progress",
-                         "--most-elements"), ("--no-color", "--verbose", "-v")
+VALUES = ("-o", "--output", "--solver", "--threads", "--progress", "--most-elements",
+          "--most-seconds")
+_PASSED_OVER = ("--no-color", "--verbose", "-v")
 
 
 def deck_of(arguments: list[str]) -> Path | None:
@@ -19,7 +20,7 @@ def deck_of(arguments: list[str]) -> Path | None:
     for word in arguments:
         if skip:
             skip = False
-        elif word in _VALUES:
+        elif word in VALUES:
             skip = True
         elif not word.startswith("-"):
             words.append(word)
@@ -29,16 +30,24 @@ def deck_of(arguments: list[str]) -> Path | None:
     return path if path is not None and path.is_file() else None
 
 
-def first_found(path: Path, patterns: list[re.Pattern], depth: int = 0) -> int | None:
-    """The number of the first pattern that a deck has, or what it includes; each file is read
-    once."""
-    text = path.read_text(encoding="utf-8", errors="replace")
-    found = [k for k, pattern in enumerate(patterns) if pattern.search(text)]
-    named = (path.parent/str(plain(name.strip())) for name in _INCLUDE.findall(text))
-    if depth < 8 and 0 not in found:
-        found += [k for p in named if p.is_file()
-                  if (k := first_found(p, patterns, depth + 1)) is not None]
+def first_found(path: Path, asks: list[Callable[[Block], bool]]) -> int | None:
+    """The number of the first of some questions that a deck asks, or what it includes; each file
+    is read once, by its keyword lines."""
+    found = set()
+    for block in _heads(path, path.parent, 0):
+        found |= {k for k, is_asked in enumerate(asks) if is_asked(block)}
+        if 0 in found:
+            break
     return min(found, default=None)
+
+
+def _heads(path: Path, top: Path, depth: int) -> Iterator[Block]:
+    """The keyword lines of a deck, those of its includes in their place."""
+    for block in heads(path.read_text(encoding="utf-8-sig", errors="replace")):
+        yield block
+        inner = included(block, path.parent, top) if block.keyword == "INCLUDE" else None
+        if inner is not None and depth < DEEPEST:
+            yield from _heads(inner, top, depth + 1)
 
 
 def parser_of(description: str) -> argparse.ArgumentParser:
@@ -57,7 +66,7 @@ def parser_of(description: str) -> argparse.ArgumentParser:
 
 def given_by(parser: argparse.ArgumentParser, arguments: list[str]):
     """What a command line says, the options of a run in it, and whether it is quiet."""
-    given = parser.parse_args([a for a in arguments if a not in _PASSED_OVER])
+    given = parser.parse_intermixed_args([a for a in arguments if a not in _PASSED_OVER])
     options = {name: getattr(given, name) for name in ("solver", "threads")
                if getattr(given, name) is not None}
     options |= {name: True for name in ("overwrite", "deterministic", "strict")

@@ -112,6 +112,10 @@ def chart(options) -> int:
     if options.deck != "hertz" and _is_forming(options.deck, table):
         return _chart_of_forming(options, name, table)
     if table:
+        if not charts.is_table(Path(options.deck)):
+            raise UsageError(f"{options.deck} is no table of lopin chart",
+                             help="rows of another program: lopin chart DECK --quantity FORCE "
+                                  f"--beside {options.deck}")
         scenes = charts.read_table(Path(options.deck))
     elif options.deck == "hertz":
         scenes = charts.hertz(options.repetitions)
@@ -172,6 +176,8 @@ def atlas(options) -> int:
     """Maps of where the methods work: tables, pictures, and the figures in words."""
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
         os.environ.setdefault(name, "1")
+    if options.batch is not None and options.batch < 0:
+        raise UsageError(f"--batch {options.batch}: a number of cells, not below 0")
     if options.deck:
         return _atlas_of_deck(options)
     from . import atlas as maps
@@ -202,6 +208,9 @@ def _atlas_of_deck(options) -> int:
     from .accuracy import Quantity
     from .atlas.deck_map import Axis, DeckMap, draw, facts
 
+    if options.map:
+        raise UsageError("--map chooses a map of the atlas: not beside a deck, whose map --x and "
+                         "--y make")
     if not options.x:
         raise UsageError("over which numbers? --x 'FRICTION:1=0,0.1,0.2' --y 'STATIC:1=0.01..1/5'")
     deck = Deck.read(options.deck)

@@ -5,13 +5,16 @@ this module only knows that a block is a keyword line and the data lines below i
 """
 from __future__ import annotations
 
-from collections.abc import Iterable
+import re
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from .errors import ResourceError, UsageError
 from .files import cannot_write, whole_file
 
 Value = float | int | str | None
+#: A line that begins a block.
+_HEAD = re.compile(r"^[ \t]*\*(?!\*).*", re.M)
 
 
 class Row(list):
@@ -115,8 +118,9 @@ class Deck:
             line = lines.pop(0)
             stripped = line.strip()
             if stripped.startswith("*") and not stripped.startswith("**"):
-                while stripped.endswith(",") and lines and not lines[0].lstrip().startswith("*"):
-                    line += "\n" + lines.pop(0)
+                while stripped.endswith(",") and (more := _goes_on(lines)):
+                    line += "\n" + "\n".join(lines[:more])
+                    del lines[:more]
                     stripped = line.strip()
                 deck.blocks.append(_block(line))
             elif not deck.blocks:
@@ -176,8 +180,34 @@ class Deck:
         return f"Deck({self.name!r}, {len(self.blocks)} blocks)"
 
 
+def heads(text: str) -> Iterator[Block]:
+    """The keyword lines of a text, as blocks without their lines: quick in a long deck.
+
+    >>> [b.parameters for b in heads("*NODE\\n1, 0.\\n*LOPIN,\\n** of contact\\nQUANTITY=FORCE\\n")]
+    [{}, {'QUANTITY': 'FORCE'}]
+    """
+    found = _HEAD.search(text)
+    while found:
+        after = _HEAD.search(text, found.end())
+        goes_on = found[0].rstrip().endswith(",")
+        end = (after.start() if after else len(text)) if goes_on else found.end()
+        yield Deck.parse(text[found.start():end]).blocks[0]
+        found = after
+
+
+def _goes_on(lines: list[str]) -> int:
+    """How many of these lines a keyword line that ends with a comma goes on in: comments, and one
+    with parameters; 0: none."""
+    for k, line in enumerate(lines):
+        stripped = line.strip()
+        if stripped and not stripped.startswith("**"):
+            return 0 if stripped.startswith("*") else k + 1
+    return 0
+
+
 def _block(text: str) -> Block:
-    first, *rest = [word.strip() for word in text.replace("\n", " ").split(",")]
+    lines = [line for line in text.split("\n") if not line.lstrip().startswith("**")]
+    first, *rest = [word.strip() for word in " ".join(lines).split(",")]
     parameters: dict[str, Value] = {}
     for word in filter(None, rest):
         name, equals, value = word.partition("=")

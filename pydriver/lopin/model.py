@@ -26,7 +26,8 @@ _PREFIX = {"plane strain": "CPE", "plane stress": "CPS", "axisymmetric": "CAX", 
 _NODES = {"triangle": 3, "triangle6": 6, "quad": 4, "quad8": 8, "tetra": 4, "tetra10": 10,
           "wedge": 6, "wedge15": 15, "hexahedron": 8, "hexahedron20": 20}
 #: Options that other codes do not have: words of `Model.options`.
-OPTIONS = ("path", "solver", "target_error", "continuation", "mortar_degree")
+OPTIONS = ("path", "solver", "target_error", "continuation", "mortar_degree", "quantity",
+           "set", "component")
 
 
 @dataclass
@@ -229,7 +230,8 @@ class Model:
         self.initial.append(("STRESS", [[elements, *map(float, stress)]]))
 
     def options(self, **choices: str | int | float) -> None:
-        """Choices of *LOPIN: path, solver, target_error, continuation, mortar_degree."""
+        """Choices of *LOPIN: path, solver, target_error, continuation, mortar_degree, and the
+        number that `lopin.accuracy.reach` is asked for: quantity, set, component."""
         for name in choices:
             if name not in OPTIONS:
                 raise UsageError(f"no option '{name}'; known: {', '.join(OPTIONS)}")

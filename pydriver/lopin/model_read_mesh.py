@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import os
 import re
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,8 @@ from .mesh.mesh import Mesh
 #: Words that stand for another.
 _SAME = {"CSS8": "C3D8I/3"}
 _KINDS = {"CPE": "plane strain", "CPS": "plane stress", "CAX": "axisymmetric", "C3D": "3d"}
+#: Files that may stand in one another.
+DEEPEST = 32
 #: Cells by the number of their nodes, in the plane and in space.
 PLANE = {3: "triangle", 6: "triangle6", 4: "quad", 8: "quad8"}
 SOLID = {4: "tetra", 10: "tetra10", 6: "wedge", 15: "wedge15", 8: "hexahedron",
@@ -33,14 +36,32 @@ def plain(value):
 
 def expanded(deck: Deck) -> list[Block]:
     """The blocks of a deck, those of its includes in their place."""
-    blocks = []
+    return [block for block, _, _ in located(deck)]
+
+
+def located(deck: Deck, path: Path | None = None, top: Path | None = None, depth: int = 0
+            ) -> Iterator[tuple[Block, str, int]]:
+    """Blocks, those of includes in their place, each with its file and line."""
+    path, top = path or deck.folder/f"{deck.name}.inp", top or deck.folder
+    line = 1 + len(deck.preamble)
     for block in deck.blocks:
         if block.keyword == "INCLUDE":
-            path = deck.folder/plain(block.parameters["INPUT"])
-            blocks += expanded(Deck.read(path))
+            inner = included(block, deck.folder, top)
+            if inner is None or depth == DEEPEST:
+                raise ModelError(f"cannot read the included file "
+                                 f"'{plain(block.parameters.get('INPUT', ''))}'", id="E0105",
+                                 file=str(path), line=line, column=1)
+            yield from located(Deck.read(inner), inner, top, depth + 1)
         else:
-            blocks.append(block)
-    return blocks
+            yield block, str(path), line
+        line += 1 + block.head().count("\n") + len(block.lines)
+
+
+def included(block: Block, folder: Path, top: Path) -> Path | None:
+    """The file that an *INCLUDE names, as the reader of decks finds it: beside the file that names
+    it, else beside the deck."""
+    name = str(plain(block.parameters.get("INPUT") or ""))
+    return next((path for path in (folder/name, top/name) if name and path.is_file()), None)
 
 
 def named_from(deck: Deck, folder: Path) -> Deck:

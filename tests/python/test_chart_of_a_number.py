@@ -76,7 +76,8 @@ def test_the_front_holds_what_nothing_beats():
     (["--meshes", "0"], "of which number"), ([*ASKED, "--methods", "magic"], "magic"),
     ([*ASKED, "--meshes", "0,x"], "--meshes 0,x"), ([*ASKED, "--meshes", "0", "--elements", "C3D8"],
                                                    "C3D8"),
-    ([*ASKED, "--increments", "0"], "--increments 0")])
+    ([*ASKED, "--increments", "0"], "--increments 0"),
+    ([*ASKED, "--increments", "nan"], "--increments nan"), ([*ASKED, "--exact", "nan"], "--exact")])
 def test_what_cannot_be_charted(crown, tmp_path, capsys, words, says):
     assert main(["chart", crown, *words, "-o", str(tmp_path)]) in (1, 2) \
         or says in rows_of(tmp_path)[0]["failure"]
@@ -92,6 +93,24 @@ def test_a_table_of_another_program_needs_times_and_values(tmp_path):
     table.write_text("program,seconds,value\nother,fast,1.\n", encoding="utf-8")
     with pytest.raises(Exception, match="t.csv:2"):
         read_cases(table)
+
+
+def test_tables_are_read_before_the_first_run(crown, tmp_path, capsys):
+    words = ["chart", crown, *ASKED, "--beside", str(tmp_path/"none.csv"), "-o", str(tmp_path)]
+    assert main(words) != 0
+    assert capsys.readouterr().err.count("\n") == 1 and not (tmp_path/"crown.csv").exists()
+
+
+def test_tables_that_are_none(tmp_path, capsys):
+    """Empty, of another program alone, and one that begins with a mark of its encoding."""
+    table = tmp_path/"t.csv"
+    table.write_text("")
+    with pytest.raises(Exception, match="t.csv has no rows"):
+        read_cases(table)
+    table.write_text("\ufeffprogram,seconds,value\nother,3.,1.\n", encoding="utf-8")
+    assert read_cases(table)[0].program == "other"
+    assert main(["chart", str(table), "-o", str(tmp_path)]) == 2
+    assert "--beside" in capsys.readouterr().err
 
 
 @pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX is not here")

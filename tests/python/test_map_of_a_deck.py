@@ -1,5 +1,6 @@
 """`lopin atlas DECK`: a deck over two of its numbers, resumed, and what cannot be mapped."""
 import csv
+import re
 
 import numpy as np
 import pytest
@@ -59,6 +60,42 @@ def test_what_stops_is_a_cell_of_its_own(tmp_path, billet):
     cells = chart.measure(tmp_path/"t.csv", None, lambda line: None)
     assert [c.kind for c in cells][0] == "no answer" and cells[0].said.startswith("E05")
     assert cells[1].kind in ("certified", "warned")
+
+
+@pytest.mark.parametrize("change, says", [
+    (["--quantity", "PEAK FORCE"], "its --quantity is force"), (["--halved"], "its --halved is no"),
+    (["--x", "ELASTIC:2=0.1,0.2"], "its --x is .FRICTION"), (None, "its deck is another")])
+def test_a_map_does_not_take_the_cells_of_another(billet, tmp_path, capsys, change, says):
+    """Deck, places, quantity and halved are kept beside the table."""
+    words = ["atlas", billet, "--x", "FRICTION:1=0,0.1", "--quantity", "FORCE", "--no-picture",
+             "--batch", "0", "-o", str(tmp_path/"maps")]
+    assert main(words) == 0 and main([*words, "--resume"]) == 0
+    if change is None:
+        deck = Deck.read(billet)
+        deck["ELASTIC"].data[0][0] *= 2.0
+        deck.write(billet)
+    assert main([*words, "--resume", *(change or [])]) == 2
+    assert re.search(says, capsys.readouterr().err)
+    (tmp_path/"maps/upset.map.json").unlink()
+    assert main([*words, "--resume"]) == 2
+
+
+def test_a_deck_that_asks_for_an_accuracy_is_mapped_without_the_question(billet, tmp_path):
+    """Its runs would all be warned of (W0344), so that none is certified and none silent."""
+    deck = Deck.read(billet)
+    deck.blocks.insert(0, Deck.parse("*LOPIN, QUANTITY=FORCE, TARGET ERROR=0.1").blocks[0])
+    chart = DeckMap(deck, Axis.of("LOPIN:TARGET ERROR=0.1"))
+    cells = chart.measure(tmp_path/"t.csv", None, lambda line: None)
+    assert "W0344" not in cells[0].said and "LOPIN" in chart.deck
+
+
+@pytest.mark.parametrize("words, says", [
+    (["--batch", "-1"], "--batch -1"), (["--map", "1"], "not beside a deck"),
+    (["--x", "FRICTION:1=nan"], "no values"), (["--x", "FRICTION:1=0..inf/3"], "no values"),
+    (["--x", "FRICTION:9=1"], "fields count from 1")])
+def test_what_cannot_be_mapped(billet, tmp_path, capsys, words, says):
+    assert main(["atlas", billet, "--x", "FRICTION:1=0.1", *words, "-o", str(tmp_path/"a")]) == 2
+    assert says in capsys.readouterr().err and not list(tmp_path.glob("a/*.csv"))
 
 
 @pytest.mark.parametrize("words, says", [

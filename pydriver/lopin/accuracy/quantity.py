@@ -3,15 +3,16 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..deck import Deck
-from ..errors import ModelError, UsageError
-from ..model_read_mesh import MeshCards, expanded, plain
+from ..deck import Block, Deck, Row
+from ..errors import LopinError, ModelError, UsageError
+from ..model_read_mesh import MeshCards, expanded, located, plain
 from ..result import Result
 
 #: A sum of forces below this share of their sizes is rounding.
@@ -21,6 +22,7 @@ ROUNDING = 1e-9
 RIPPLES, TURNS, WAY = 12, 3, 0.1
 #: The share that W0333 names.
 UNEVEN = re.compile(r"uneven by about ([0-9.eE+-]+) %")
+DIRECTIONS = "1 to 3, or 0 for the length; moments and rotations cannot be asked for"
 KINDS = ("PRESSURE", "PEAK PRESSURE", "FORCE", "PEAK FORCE", "DISPLACEMENT", "SPRINGBACK")
 
 
@@ -52,17 +54,41 @@ class Quantity:
                              help=f"one of {', '.join(KINDS)}")
         if self.kind in ("DISPLACEMENT", "SPRINGBACK") and not self.set:
             raise UsageError(f"QUANTITY={self.kind} needs SET=, the nodes that it is asked of")
+        if not 0 <= self.component <= 3:
+            raise UsageError(f"COMPONENT={self.component} is no direction", help=DIRECTIONS)
 
     @classmethod
     def of(cls, deck: Deck) -> tuple[Quantity, float] | None:
         """What the *LOPIN of a deck asks for, and the relative error; None if it asks for none."""
-        for block in deck.all("LOPIN"):
-            given = {k: plain(v) for k, v in block.parameters.items()}
-            if "QUANTITY" in given:
-                kind = " ".join(str(given["QUANTITY"]).upper().split())
-                return cls(kind, str(given.get("SET", "")).upper(), int(given.get("COMPONENT", 0))
-                           ), float(given.get("TARGET ERROR", 0.01))
-        return None
+        block, file, line = _card_of(deck)
+        if block is None:
+            return None
+        with at(file, line):
+            return cls._of_card({k: plain(v) for k, v in block.parameters.items()})
+
+    @classmethod
+    def _of_card(cls, given: dict) -> tuple[Quantity, float]:
+        """By the parameters of a card; numbers as the reader of decks takes them (5D-2, too)."""
+        component, target = (Row.read(str(given.get(name, default)))[0] for name, default in
+                             (("COMPONENT", 0), ("TARGET ERROR", 0.01)))
+        if not isinstance(component, int):
+            raise UsageError(f"COMPONENT={component} is no direction", help=DIRECTIONS)
+        if not isinstance(target, int | float) or not 0.0 < target < 1.0:
+            raise UsageError(f"TARGET ERROR={target} is not between 0 and 1")
+        return cls(" ".join(str(given["QUANTITY"]).upper().split()),
+                   str(given.get("SET", "")).upper(), component), float(target)
+
+    def checked(self, deck: Deck) -> None:
+        """Refuse what no run of the deck can answer."""
+        if not self.set:
+            return
+        blocks = expanded(deck)
+        cards = MeshCards(blocks)
+        asked = set(labels_of(cards, self.set))
+        if "FORCE" in self.kind and not asked & driven(blocks, cards):
+            raise ModelError(f"SET={self.set}: no node of it is held, driven or a tool's: there is "
+                             "no force on it, only rounding",
+                             help="without SET it is that of all contact")
 
     def of_nodes(self, deck: Deck) -> Quantity:
         """The same for any finer mesh of a deck: a displacement is that of the deck's own nodes."""
@@ -104,7 +130,7 @@ class Quantity:
         if self.component:
             if self.component > len(vector):
                 raise UsageError(f"COMPONENT={self.component}: the vector has {len(vector)}",
-                                 help="0 for its length; moments and rotations cannot be asked for")
+                                 help=DIRECTIONS)
             return float(vector[self.component - 1])
         return float(np.linalg.norm(vector))
 
@@ -225,12 +251,45 @@ def _rows(result: Result, deck: Deck, name: str, nodes: tuple[int, ...] = ()) ->
 
 def labels_of(cards: MeshCards, name: str) -> list[int]:
     """Nodes of a set, or of a label."""
-    if name.isdigit():
+    if name.isdigit() and int(name) in cards.nodes:
         return [int(name)]
+    if name.isdigit():
+        raise ModelError(f"SET={name}: there is no such node", id="E0201")
     if name in cards.nsets:
         return list(dict.fromkeys(cards.nsets[name]))
     raise ModelError(f"SET={name}: there is no such node set", id="E0201",
                      help=f"node sets: {', '.join(cards.nsets)}")
+
+
+def driven(blocks: list[Block], cards: MeshCards) -> set[int]:
+    """Nodes that a support, a motion or a tool may have forces on."""
+    names = [row[0] for block in blocks if block.keyword == "BOUNDARY" for row in block.data]
+    found = {cards.single(name) for name in cards.references}
+    for name in set(names):
+        found.update(labels_of(cards, str(name).upper()))
+    return found
+
+
+def _card_of(deck: Deck) -> tuple[Block | None, str, int]:
+    """The card that asks, with its file and line."""
+    return next(((block, file, line) for block, file, line in located(deck)
+                 if block.keyword == "LOPIN" and "QUANTITY" in block.parameters), (None, "", 0))
+
+
+def place_of(deck: Deck) -> tuple[str, int]:
+    """File and line of the card that asks; nowhere: '' and 0."""
+    return _card_of(deck)[1:]
+
+
+@contextmanager
+def at(file: str, line: int) -> Iterator[None]:
+    """Errors that have no place are of this one."""
+    try:
+        yield
+    except LopinError as problem:
+        if not problem.file:
+            problem.file, problem.line, problem.column = file, line, 1
+        raise
 
 
 def _before_last_step(result: Result) -> int:

@@ -19,15 +19,16 @@ from ..deck import Block, Deck
 from ..errors import LopinError, NotConvergedError, UsageError
 from ..files import whole_file
 from ..model_read_mesh import expanded, named_from
+from ..refine import refuse
 from ..result import Result
 from ..run import as_deck, check, run
 from .dual import HOPS, LOST, SMALL, Estimate, Question
 from .increments import Settled, depends_on_path, left_by_increments, on_path, with_smaller
 from .mesh_error import error_of_mesh, halved
 from .meshes import Meshes
-from .quantity import Quantity
+from .quantity import Quantity, at, place_of
 from .reached import Level, Reached
-from .refusals import contact_alone, out_of_reach, out_of_time, slides
+from .refusals import contact_alone, no_limit, out_of_reach, out_of_time, slides
 
 #: Solid elements of a mesh that is not made any more, in the plane and in space.
 MOST = {2: 400_000, 3: 60_000}
@@ -81,7 +82,10 @@ def reach(scene, quantity: Quantity | None = None, target: float | None = None,
     given = Quantity.of(deck)
     if quantity is None and given is None:
         raise UsageError("nothing is asked for: *LOPIN, QUANTITY=FORCE, TARGET ERROR=0.01")
-    quantity = (quantity or given[0]).of_nodes(deck)
+    with at(*place_of(deck)):
+        quantity = (quantity or given[0]).of_nodes(deck)
+        quantity.checked(deck)
+    refuse(deck)
     search = _Search(without_question(deck), quantity, target or (given[1] if given else 0.01),
                      output, say, (most_elements, most_seconds), options)
     found = search.run()
@@ -363,13 +367,7 @@ class _Search:
         if self.settled is not None:
             found.increments = self._left(levels[-1].mesh)
             found.against = self._against(levels)
-        apart = [v.difference for v in halved(levels)]
-        grows = [b >= a for a, b in zip(apart, apart[1:])]
-        if len(grows) >= 2 and all(grows[-2:]) and found.mesh > found.target:
-            found.reason = f"the {found.quantity} changes more with each finer mesh " \
-                f"({', '.join(f'{100.0*v/scale:.2g} %' for v in apart)}): it has no limit, as at " \
-                "a sharp edge; ask for a force, a displacement or PRESSURE"
-
+        found.reason = found.reason or no_limit(found, levels)
 
     def _against(self, levels) -> float:
         """What mesh and increments take from each other where one leaves too much and the other too

@@ -3,7 +3,10 @@ from __future__ import annotations
 
 import math
 
-from .mesh_error import LEAST_ORDER, MOST_ORDER
+from .mesh_error import LEAST_ORDER, MOST_ORDER, halved
+
+#: Share of a number on the mesh before that is left of one whose limit is 0.
+VANISHES = 0.6
 
 
 def contact_alone(found) -> str:
@@ -14,6 +17,26 @@ def contact_alone(found) -> str:
     return f"the stiffness of contact alone leaves {100.0*found.enforcement:.2g} %, whatever " \
         "the mesh: *SURFACE BEHAVIOR, DIRECT; a slope that is a law of the surface itself is " \
         "PRESSURE-OVERCLOSURE=TABULAR, whose points are no error"
+
+
+def no_limit(found, levels) -> str:
+    """Why no finer mesh makes the number better known; empty: it does."""
+    known = halved(levels)
+    scale = max(abs(found.value), 1e-300)
+    apart = [v.difference for v in known]
+    values = [abs(v.value) for v in levels[-3:]]
+    grows = [b >= a for a, b in zip(apart, apart[1:])]
+    if not found.mesh > found.target:
+        return ""
+    if len(grows) >= 2 and all(grows[-2:]):
+        return f"the {found.quantity} changes more with each finer mesh " \
+            f"({', '.join(f'{100.0*v/scale:.2g} %' for v in apart)}): it has no limit, as at " \
+            "a sharp edge; ask for a force, a displacement or PRESSURE"
+    if len(known) >= 2 and all(b < VANISHES*a for a, b in zip(values, values[1:])):
+        return f"the {found.quantity} falls with each finer mesh " \
+            f"({', '.join(f'{v:.4g}' for v in values)}): it has no limit but 0, as the share of " \
+            "single nodes of a support; ask for the whole of it"
+    return ""
 
 
 def slides(found) -> str:

@@ -10,6 +10,8 @@ length, from which it may differ by less than `WRONG` if nobody warned.
 from __future__ import annotations
 
 import csv
+import hashlib
+import json
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -20,16 +22,19 @@ import numpy as np
 
 from ..accuracy import Quantity
 from ..accuracy.increments import with_smaller
+from ..accuracy.reach import without_question
 from ..charts.rows import TableRow
 from ..charts.run import WRONG, answer
 from ..deck import Deck
 from ..errors import UsageError
 from ..files import whole_file
-from ..model_read_mesh import expanded
+from ..model_read_mesh import plain
 from ..sweep import put
 
 _PLACE = re.compile(r"\*?\s*([A-Za-z][\w \-]*?)(#\d+)?:([^=]+)=(.+)")
 
+PLACES = "write KEYWORD:field of the first data line of the first such card, KEYWORD#2:field of " \
+    "the second, or KEYWORD:PARAMETER; fields count from 1"
 CLASSES = {"certified": "#d9ecd9", "warned": "#f0e2b6", "refused": "#f4a582",
            "no answer": "#c9c9c9", "silent": "#ff0000"}
 
@@ -77,9 +82,12 @@ def _values(text: str, whole: str) -> tuple[float, ...]:
     try:
         match = re.fullmatch(r"(.+)\.\.(.+)/(\d+)", text)
         if not match:
-            return tuple(float(v) for v in text.split(","))
+            found = tuple(float(v) for v in text.split(","))
+            if not np.isfinite(found).all():
+                raise ValueError
+            return found
         first, last, count = float(match[1]), float(match[2]), int(match[3])
-        if count < 2:
+        if count < 2 or not np.isfinite([first, last]).all():
             raise ValueError
         grows = min(first, last) > 0.0 and max(first, last) >= 10.0*min(first, last)
         make = np.geomspace if grows else np.linspace
@@ -124,8 +132,8 @@ class DeckMap:
 
     def __post_init__(self):
         # Includes in their place, so that their numbers can be varied as well.
-        self.deck = Deck(expanded(self.deck), preamble=self.deck.preamble, name=self.deck.name,
-                         folder=self.deck.folder)
+        # Nobody is asked how well a cell is known: a run of it would warn of that (W0344).
+        self.deck = without_question(self.deck)
         self.deck_of(self.x.values[0], self.y.values[0] if self.y else 0.0)
 
     def deck_of(self, x: float, y: float) -> Deck:
@@ -133,7 +141,10 @@ class DeckMap:
         copy = Deck.parse(self.deck.text(), name=self.deck.name, folder=self.deck.folder)
         for axis, value in ((self.x, x), (self.y, y)):
             if axis is not None:
-                put(copy, axis.place, int(value) if float(value).is_integer() else value)
+                try:
+                    put(copy, axis.place, int(value) if float(value).is_integer() else value)
+                except UsageError:
+                    raise UsageError(f"{axis.label} is no place in the deck", help=PLACES) from None
         return copy
 
     def places(self) -> list[DeckCell]:
@@ -167,15 +178,31 @@ class DeckMap:
                 if cell.kind == "certified" and cell.change > WRONG:
                     cell.kind = "silent"
 
+    def told(self) -> dict[str, str]:
+        """What a cell hangs on beside its two numbers."""
+        digest = hashlib.sha256(self.deck.text().encode("utf-8", "surrogateescape"))
+        for block in self.deck.blocks:   # a tool in a file of its own
+            path = self.deck.folder/str(plain(block.parameters.get("INPUT") or ""))
+            if path.is_file():
+                digest.update(path.read_bytes())
+        return {"deck": digest.hexdigest(), "--x": self.x.place,
+                "--y": self.y.place if self.y else "", "--quantity": str(self.quantity or ""),
+                "--halved": "yes" if self.halved else "no"}
+
     def measure(self, table: Path, batch: int | None, say: Callable[[str], None]
                 ) -> list[DeckCell]:
         """All cells; those that the table holds are not run again."""
-        cells = self.places()
+        if batch is not None and batch < 0:
+            raise UsageError(f"--batch {batch}: a number of cells, not below 0")
+        cells, kept, own = self.places(), table.with_suffix(".map.json"), self.told()
         if table.is_file():
+            refuse_another(table, kept, own)
             done = {(c.x, c.y): c for c in read_cells(table)}
             cells = [done.get((float(f"{c.x:.8g}"), float(f"{c.y:.8g}")), c) for c in cells]
             for number, cell in enumerate(cells):
                 cell.row = number
+        with whole_file(kept) as part:
+            part.write_text(json.dumps(own, indent=1) + "\n", encoding="utf-8")
         todo = [c for c in cells if not c.kind][:batch]
         for cell in todo:
             self.run(cell)
@@ -184,6 +211,21 @@ class DeckMap:
             write_cells(cells, table)
         write_cells(cells, table)
         return [c for c in cells if c.kind]
+
+
+def refuse_another(table: Path, kept: Path, own: dict[str, str]) -> None:
+    """Raise if the cells of a table are those of another map."""
+    remedy = "another folder by -o, or a new map in its place without --resume"
+    if not kept.is_file():
+        raise UsageError(f"{table} cannot be resumed: there is no {kept.name} beside it, which "
+                         "says of which map it is", help=remedy)
+    before = json.loads(kept.read_text(encoding="utf-8"))
+    other = [f"its {name} is another" if name == "deck" else
+             f"its {name} is {before.get(name) or 'not given'}"
+             for name, value in own.items() if before.get(name) != value]
+    if other:
+        raise UsageError(f"{table} is of another map and cannot be resumed: {', '.join(other)}",
+                         help=remedy)
 
 
 def write_cells(cells: list[DeckCell], path: Path) -> None:

@@ -79,7 +79,7 @@ def read_cases(path: Path) -> list[Case]:
     enough."""
     known = Case.columns()
     rows = []
-    with path.open(newline="", encoding="utf-8") as file:
+    with path.open(newline="", encoding="utf-8-sig") as file:
         for number, texts in enumerate(csv.DictReader(file), start=2):
             given = {k: v for k, v in texts.items() if k in known and v}
             if "failure" not in given and not (
@@ -90,12 +90,14 @@ def read_cases(path: Path) -> list[Case]:
                 rows.append(Case.read({"case": path.stem} | given))
             except ValueError as problem:
                 raise UsageError(f"{path}:{number}: {problem}") from problem
+    if not rows:
+        raise UsageError(f"{path} has no rows", help="columns: " + ", ".join(known))
     return rows
 
 
 def is_table(path: Path) -> bool:
     """Whether a table is one of these."""
-    with path.open(encoding="utf-8") as file:
+    with path.open(encoding="utf-8-sig") as file:
         return {"program", "seconds", "error"} <= set(file.readline().strip().split(","))
 
 

@@ -181,6 +181,12 @@ def write_table(rows: list[Run], path: Path) -> None:
         writer.writerows(row.values() for row in rows)
 
 
+def is_table(path: Path) -> bool:
+    """Whether a table is one of these."""
+    with path.open(encoding="utf-8") as file:
+        return set(Run.columns()) <= set(file.readline().strip().split(","))
+
+
 def read_table(path: Path) -> dict[str, dict[str, list[Run]]]:
     """The rows of a table written earlier, to be drawn again."""
     scenes: dict[str, dict[str, list[Run]]] = {}

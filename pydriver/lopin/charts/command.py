@@ -1,6 +1,7 @@
 """`lopin chart DECK --quantity ...`: one number over methods, elements, meshes and increments."""
 from __future__ import annotations
 
+import math
 import sys
 from pathlib import Path
 
@@ -16,12 +17,15 @@ from .front import draw
 
 def chart_of_a_number(options, name: str, table: bool) -> int:
     """The table, the picture, and the table in words; the exit code."""
+    besides = [(path, cases.read_cases(path)) for path in options.beside]   # before all runs
+    if options.exact is not None and not math.isfinite(options.exact):
+        raise UsageError(f"--exact {options.exact}: a number")
     if table:
         rows, what = cases.read_cases(Path(options.deck)), name
     else:
         rows, what = _measured(options)
-    for path in options.beside:
-        rows += _beside(path, rows)
+    for path, found in besides:
+        rows += _beside(path, found, rows)
     options.output.mkdir(parents=True, exist_ok=True)
     cases.write_cases(rows, options.output/f"{name}.csv")
     draw(rows, what, options.output/name)
@@ -71,15 +75,14 @@ def _numbers(option: str, text: str, kind) -> list:
         found = [kind(word) for word in _words(text)]
     except ValueError:
         found = [-1]
-    if any(v < 0 or (kind is float and v <= 0) for v in found):
+    if any(not math.isfinite(v) or v < 0 or (kind is float and v <= 0) for v in found):
         raise UsageError(f"{option} {text}: numbers, separated by commas")
     return found
 
 
-def _beside(path: Path, rows: list[cases.Case]) -> list[cases.Case]:
+def _beside(path: Path, found: list[cases.Case], rows: list[cases.Case]) -> list[cases.Case]:
     """Rows of another program; values become errors beside the value that the chart's rows have."""
     right = next((r.right for r in rows if np.isfinite(r.right)), np.nan)
-    found = cases.read_cases(path)
     for row in found:
         if not row.answered and np.isfinite(row.value):
             if np.isnan(right):

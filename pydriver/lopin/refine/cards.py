@@ -9,6 +9,7 @@ from ..model_read_mesh import MeshCards
 
 #: Cards that a finer mesh would have to be told anew, and what to do.
 _LOST = {"EQUATION": "equations tie single nodes", "MPC": "couplings tie single nodes",
+         "SPRING": "springs hold single nodes", "GAP": "gaps hold single nodes",
          "REMESH": "the mesh is made anew on the way already",
          "START": "a run that goes on has its own mesh"}
 _BY_ELEMENT = ("STATE", "STRESS", "PLASTIC STRAIN", "HARDENING", "TRACTION")

@@ -92,15 +92,7 @@ def of_second_order(deck: Deck, curved: bool = True) -> Refined:
 
 def made(deck: Deck, curved: bool, cut: Cut) -> Refined:
     """The deck with solid elements cut."""
-    blocks = expanded(deck)
-    if any(b.keyword in ("PART", "INSTANCE", "ASSEMBLY") for b in blocks):
-        raise ModelError("a deck with parts and instances cannot be refined",
-                         help="write it flat: lopin export --flat")
-    try:
-        cards = MeshCards(blocks)
-    except UsageError as problem:
-        raise ModelError(f"the mesh cannot be refined: {problem.message}") from problem
-    refuse_what_is_lost(blocks, cards)
+    blocks, cards = refuse(deck)
     cut.read(cards)
     places = cut.places(cards, curved)
     members = Members(cards, cut)
@@ -121,6 +113,20 @@ def made(deck: Deck, curved: bool, cut: Cut) -> Refined:
     at = max(k for k, b in enumerate(new.blocks) if b.keyword == "ELEMENT")
     new.blocks[at + 1:at + 1] = sets
     return Refined(new, cut.labels, cut.ends, cut.weight, cut.n_element, filled)
+
+
+def refuse(deck: Deck) -> tuple[list[Block], MeshCards]:
+    """Raise what a finer mesh cannot carry; the blocks of the deck and what its mesh's said."""
+    blocks = expanded(deck)
+    if any(b.keyword in ("PART", "INSTANCE", "ASSEMBLY") for b in blocks):
+        raise ModelError("a deck with parts and instances cannot be refined",
+                         help="write it flat: lopin export --flat")
+    try:
+        cards = MeshCards(blocks)
+    except UsageError as problem:
+        raise ModelError(f"the mesh cannot be refined: {problem.message}") from problem
+    refuse_what_is_lost(blocks, cards)
+    return blocks, cards
 
 
 class Cut:

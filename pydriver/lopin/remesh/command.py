@@ -1,14 +1,16 @@
 """`lopin run` of a deck with *REMESH."""
 from __future__ import annotations
 
-import re
 from pathlib import Path
 
 from ..command_deck import given_by, parser_of, tell
-from ..deck import Deck
+from ..deck import Block, Deck
 from ..errors import UsageError
 
-CARD = re.compile(r"^\s*\*\s*REMESH\b", re.I | re.M)
+
+def asks(block: Block) -> bool:
+    """Whether a card asks for new meshes."""
+    return block.keyword == "REMESH"
 
 
 def run_remeshed(path: Path, arguments: list[str]) -> int:
