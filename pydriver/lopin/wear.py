@@ -14,6 +14,10 @@ from numpy.typing import NDArray
 from .errors import UsageError
 from .result import refuse_meshes
 
+#: Cosine of the angle within which a point lies behind a place: half of that between neighbours
+#: around a corner of four facets. Share of the distance of points that the sag of facets may be.
+BEHIND, AT = 0.7, 0.05
+
 
 @dataclass(frozen=True)
 class Wear:
@@ -102,7 +106,8 @@ def _spacing(x: NDArray) -> float:
 
 def _on_tool(place: NDArray, borne: NDArray, size: float) -> tuple[NDArray, NDArray]:
     """Places that the tool was met at, one a box of this size, and what has passed there: at each
-    output what the nearest slave point bore, if it is as near as the box is large."""
+    output what the nearest slave point bore, if it is as near as the box is large and metal lies
+    over the place."""
     met = place[borne > 0.0]
     if len(met) == 0:
         return np.zeros((0, place.shape[2])), np.zeros(0)
@@ -112,5 +117,17 @@ def _on_tool(place: NDArray, borne: NDArray, size: float) -> tuple[NDArray, NDAr
     for x, values in zip(place, borne):
         far = np.linalg.norm(points[:, None] - x[None], axis=2)
         near = far.argmin(axis=1)
-        passed += np.where(far[np.arange(len(points)), near] <= size, values[near], 0.0)
+        over = (far[np.arange(len(points)), near] <= size) & _covered(points, x, near, size)
+        passed += np.where(over, values[near], 0.0)
     return points, passed
+
+
+def _covered(points: NDArray, x: NDArray, near: NDArray, size: float) -> NDArray:
+    """Whether metal lies over places: seen from the nearest slave point, another one lies behind
+    the place, or the place is at that point but for the sag of facets. A place beyond the rim of
+    the metal has none behind it."""
+    off = points - x[near]
+    way = x[None] - x[near][:, None]
+    length, reach = np.linalg.norm(off, axis=1), np.linalg.norm(way, axis=2)
+    behind = np.einsum("psd,pd->ps", way, off) >= BEHIND*reach*length[:, None]
+    return (behind & (reach > 0.0)).any(axis=1) | (length <= AT*size)
