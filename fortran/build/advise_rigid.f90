@@ -32,6 +32,8 @@ module lopin_advise_rigid
       logical, allocatable :: node(:)          !! (nnode)
       logical, allocatable :: held(:, :)       !! (ndim, nnode) with all others, in every step
       real(wp), allocatable :: width(:)        !! (ndim) [length]
+      !> Boxes around them: (ndim, nelement) [length].
+      real(wp), allocatable :: low(:, :), high(:, :)
    end type backing_type
 
 contains
@@ -164,13 +166,22 @@ contains
       end do
       self%width = [(maxval(model%mesh%x(k, :), mask=self%node) - minval(model%mesh%x(k, :), &
          & mask=self%node), k=1, model%mesh%ndim)]
+      allocate (self%low(model%mesh%ndim, model%mesh%nelement), source=huge(1.0_wp))
+      self%high = -self%low
+      do i = 1, model%mesh%nelement
+         if (.not. self%element(i)) cycle
+         associate (x => model%mesh%x(:, pack(model%mesh%conn(:, i), model%mesh%conn(:, i) > 0)))
+            self%low(:, i) = minval(x, dim=2)
+            self%high(:, i) = maxval(x, dim=2)
+         end associate
+      end do
    end subroutine find_backing
 
    subroutine flood(self, model, surface)
       type(backing_type), intent(inout) :: self
       type(model_type), intent(in) :: model
       integer, intent(in) :: surface
-      integer :: e, k
+      integer :: e, k, way
       logical :: grown
 
       allocate (self%element(model%mesh%nelement), self%node(model%mesh%nnode), source=.false.)
@@ -182,9 +193,12 @@ contains
             end associate
          end do
       end associate
+      way = -1
       do
          grown = .false.
-         do e = 1, model%mesh%nelement
+         way = -way
+         do k = 1, model%mesh%nelement
+            e = merge(k, model%mesh%nelement + 1 - k, way > 0)
             if (self%element(e)) cycle
             associate (node => pack(model%mesh%conn(:, e), model%mesh%conn(:, e) > 0))
                if (.not. any(self%node(node))) cycle
@@ -233,7 +247,7 @@ contains
             if (depth > slenderest*minval(across)) depth = huge(1.0_wp)
          end associate
          if (depth < huge(1.0_wp)) then
-            if (.not. is_solid(model, backing, middle, x(:, nearest))) depth = huge(1.0_wp)
+            if (.not. is_solid(backing, middle, x(:, nearest))) depth = huge(1.0_wp)
          end if
       end associate
       if (depth >= huge(1.0_wp)) return
@@ -242,8 +256,7 @@ contains
    end function depth_behind
 
    !> Places on a line lie in the boxes of elements.
-   logical function is_solid(model, backing, from, to) result(is)
-      type(model_type), intent(in) :: model
+   logical function is_solid(backing, from, to) result(is)
       type(backing_type), intent(in) :: backing
       real(wp), intent(in) :: from(:), to(:)   !! [length]
       real(wp) :: at(size(from), places), room
@@ -253,14 +266,11 @@ contains
       room = 1.0e-6_wp*maxval(backing%width)
       at = reshape([(from + (to - from)*i/(places + 1.0_wp), i=1, places)], shape(at))
       inside = .false.
-      do e = 1, model%mesh%nelement
-         if (.not. backing%element(e)) cycle
-         associate (x => model%mesh%x(:, pack(model%mesh%conn(:, e), model%mesh%conn(:, e) > 0)))
-            do i = 1, places
-               if (.not. inside(i)) inside(i) = all(at(:, i) >= minval(x, dim=2) - room &
-                  & .and. at(:, i) <= maxval(x, dim=2) + room)
-            end do
-         end associate
+      do e = 1, size(backing%element)
+         do i = 1, places
+            if (.not. inside(i)) inside(i) = all(at(:, i) >= backing%low(:, e) - room &
+               & .and. at(:, i) <= backing%high(:, e) + room)
+         end do
       end do
       is = all(inside)
    end function is_solid
