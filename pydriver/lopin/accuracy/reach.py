@@ -23,8 +23,9 @@ from ..refine import refuse
 from ..result import Result
 from ..run import as_deck, check, run
 from .dual import HOPS, LOST, SMALL, Estimate, Question
+from .ends import closed_at_an_end
 from .increments import Settled, depends_on_path, left_by_increments, on_path, with_smaller
-from .mesh_error import error_of_mesh, halved
+from .mesh_error import END, INSIDE, error_of_mesh, halved
 from .meshes import Meshes
 from .quantity import Quantity, at, place_of
 from .reached import Level, Reached
@@ -230,7 +231,7 @@ class _Search:
         result, (foretold, unsure) = self._run(smaller, number)
         seconds = time.process_time() - begin
         value = found.quantity.value(result, deck)
-        apart = math.nan if before is None else found.quantity.difference(
+        apart = math.nan if before is None else found.quantity.moved(
             result, before[0], (value, before[1]))
         found.levels.append(Level(number, self.factor, elements or result.summary["model"][
             "elements"], result.summary["equations"], value, apart,
@@ -360,7 +361,7 @@ class _Search:
         pressure = "PRESSURE" in found.quantity.kind
         rough = pressure and any(line.startswith("W0409") for line in found.warnings)
         error, found.order, found.by_dual = error_of_mesh(levels, quadratic, found.in_space,
-                                                          pressure, rough)
+                                                          pressure, rough, self._peak(levels))
         found.mesh = error/scale if math.isfinite(error) else math.nan
         if found.result is not None and depends_on_path(found.deck):
             found.ripple = found.quantity.ripple(found.result, found.deck)/scale
@@ -368,6 +369,14 @@ class _Search:
             found.increments = self._left(levels[-1].mesh)
             found.against = self._against(levels)
         found.reason = found.reason or no_limit(found, levels)
+
+    def _peak(self, levels) -> str:
+        """Where a largest pressure is: looked at where it counts, for the first change."""
+        found = self.found
+        if found.quantity.kind != "PEAK PRESSURE" or found.result is None:
+            return ""
+        first = len(halved(levels)) == 1
+        return END if first and closed_at_an_end(self.deck, found.result) else INSIDE
 
     def _against(self, levels) -> float:
         """What mesh and increments take from each other where one leaves too much and the other too
