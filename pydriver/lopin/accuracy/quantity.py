@@ -80,10 +80,10 @@ class Quantity:
         return cls(" ".join(str(given["QUANTITY"]).upper().split()),
                    str(given.get("SET", "")).upper(), component), float(target)
 
-    def checked(self, deck: Deck) -> None:
-        """Refuse what no run of the deck can answer."""
+    def checked(self, deck: Deck) -> Quantity:
+        """Itself, if a run of the deck can answer it."""
         if not self.set:
-            return
+            return self
         blocks = expanded(deck)
         cards = MeshCards(blocks)
         asked = set(labels_of(cards, self.set))
@@ -91,6 +91,7 @@ class Quantity:
             raise ModelError(f"SET={self.set}: no node of it is held, driven or a tool's: there is "
                              "no force on it, only rounding",
                              help="without SET it is that of all contact")
+        return self
 
     def of_nodes(self, deck: Deck) -> Quantity:
         """The same for any finer mesh of a deck: a displacement is that of the deck's own nodes."""

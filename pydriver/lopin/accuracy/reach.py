@@ -84,8 +84,7 @@ def reach(scene, quantity: Quantity | None = None, target: float | None = None,
     if quantity is None and given is None:
         raise UsageError("nothing is asked for: *LOPIN, QUANTITY=FORCE, TARGET ERROR=0.01")
     with at(*place_of(deck)):
-        quantity = (quantity or given[0]).of_nodes(deck)
-        quantity.checked(deck)
+        quantity = (quantity or given[0]).checked(deck).of_nodes(deck)
     refuse(deck)
     search = _Search(without_question(deck), quantity, target or (given[1] if given else 0.01),
                      output, say, (most_elements, most_seconds), options)
@@ -375,8 +374,8 @@ class _Search:
         found = self.found
         if found.quantity.kind != "PEAK PRESSURE" or found.result is None:
             return ""
-        first = len(halved(levels)) == 1
-        return END if first and closed_at_an_end(self.deck, found.result) else INSIDE
+        at_end = len(halved(levels)) == 1 and closed_at_an_end(self.deck, found.result)
+        return END if at_end else INSIDE
 
     def _against(self, levels) -> float:
         """What mesh and increments take from each other where one leaves too much and the other too
