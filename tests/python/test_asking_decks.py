@@ -45,7 +45,8 @@ def written(folder, card=ASKED, more="", name="a.inp"):
 
 
 @pytest.mark.parametrize("card", [
-    ASKED, "*LOPIN,\n** of contact\nQUANTITY=FORCE\n", "* lopin , target error=.1, quantity = Force\n",
+    ASKED, "*LOPIN,\n** of contact\nQUANTITY=FORCE\n",
+    "* lopin , target error=.1, quantity = Force\n",
     "\ufeff*LOPIN, QUANTITY=FORCE\n", "*INCLUDE, INPUT=sub/one.inc\n",
     "*INCLUDE,\nINPUT=sub/one.inc\n"])
 def test_a_deck_that_asks_is_found(tmp_path, card):

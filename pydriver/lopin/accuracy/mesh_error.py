@@ -11,12 +11,16 @@ ROUNDING = 1e-10
 CHANCE = 0.3
 #: On what three meshes say: the order still changes (Roache 1994).
 SAFETY = 1.25
+#: Changes of a largest pressure fall if they come to this share of the one before, at most.
+FALLS = 0.8
+#: Where a largest pressure is.
+INSIDE, END = "inside", "at an end"
 #: A dual problem is believed where it foretold the change from mesh to mesh by these factors.
 FORETOLD = 0.5, 2.0
 
 
 def error_of_mesh(levels, quadratic: bool, in_space: bool = False, pressure: bool = False,
-                  rough: bool = False) -> tuple[float, float, bool]:
+                  rough: bool = False, peak: str = "") -> tuple[float, float, bool]:
     """Of the last of some levels: absolute error, measured order (nan: none), by the dual problem.
 
     Two meshes, every cell halved: their difference, which holds if the error falls at least as the
@@ -28,11 +32,17 @@ def error_of_mesh(levels, quadratic: bool, in_space: bool = False, pressure: boo
     sure of. Elsewhere the larger of both, in the plane: a difference of two meshes may vanish by
     chance (in space the dual problem says many times too much). Nothing is known (inf) of a mesh
     that was refined in part where the dual problem fails. `rough`: of the order no more is believed
-    than the least, as of a pressure that grows beside a support.
+    than the least, as of a pressure that grows beside a support. `peak`: of a largest pressure
+    inside of contact, or at an end of a surface that may have none (`_of_peak`).
     """
     if len(levels) < 2:
         return math.inf, math.nan, False
-    error, order = _by_differences(halved(levels), quadratic, pressure, rough)
+    known = halved(levels)
+    if peak and known:
+        error, order = _of_peak([v.difference for v in known], abs(known[-1].value),
+                                LEAST_ORDER if rough else MOST_ORDER[quadratic], peak == END)
+    else:
+        error, order = _by_differences(known, quadratic, pressure, rough)
     last, before = levels[-1], levels[-2]
     floor = ROUNDING*abs(last.value)
     foretold = before.foretold - last.foretold
@@ -56,6 +66,26 @@ def halved(levels) -> list:
             break
         found.insert(0, level)
     return found
+
+
+def _of_peak(apart: list[float], value: float, most: float, at_end: bool) -> tuple[float, float]:
+    """Of a largest pressure, by its changes from mesh to mesh, and their order.
+
+    Where it lies among the nodes is chance on coarse meshes, and its error falls as the size of
+    cells or slower. One change: the least order counts; at a free end of a surface nothing is known
+    of it. Two: their order, but no less than if the first had fallen by half; three: the smaller of
+    two orders. Changes that hardly fall (`FALLS`) say nothing yet.
+    """
+    if apart[-1] <= ROUNDING*value:
+        return apart[-1], math.nan
+    if len(apart) == 1:
+        return math.inf if at_end else apart[0]/(2.0**LEAST_ORDER - 1.0), math.nan
+    orders = [math.log2(max(a/max(b, 1e-300), 1e-3)) for a, b in zip(apart, apart[1:])]
+    if apart[-1] > FALLS*apart[-2]:
+        return math.inf, orders[-1]
+    order = min(max(min(orders[-2:]), LEAST_ORDER), most)
+    error = SAFETY*apart[-1]/(2.0**order - 1.0)
+    return max(error, 0.5*apart[-2]) if len(orders) == 1 else error, orders[-1]
 
 
 def _by_differences(known, quadratic: bool, pressure: bool, rough: bool) -> tuple[float, float]:

@@ -23,6 +23,8 @@ RIPPLES, TURNS, WAY = 12, 3, 0.1
 #: The share that W0333 names.
 UNEVEN = re.compile(r"uneven by about ([0-9.eE+-]+) %")
 DIRECTIONS = "1 to 3, or 0 for the length; moments and rotations cannot be asked for"
+#: Share of the largest pressure from which another is beside it.
+BESIDE_PEAK = 0.9
 KINDS = ("PRESSURE", "PEAK PRESSURE", "FORCE", "PEAK FORCE", "DISPLACEMENT", "SPRINGBACK")
 
 
@@ -78,10 +80,10 @@ class Quantity:
         return cls(" ".join(str(given["QUANTITY"]).upper().split()),
                    str(given.get("SET", "")).upper(), component), float(target)
 
-    def checked(self, deck: Deck) -> None:
-        """Refuse what no run of the deck can answer."""
+    def checked(self, deck: Deck) -> Quantity:
+        """Itself, if a run of the deck can answer it."""
         if not self.set:
-            return
+            return self
         blocks = expanded(deck)
         cards = MeshCards(blocks)
         asked = set(labels_of(cards, self.set))
@@ -89,6 +91,7 @@ class Quantity:
             raise ModelError(f"SET={self.set}: no node of it is held, driven or a tool's: there is "
                              "no force on it, only rounding",
                              help="without SET it is that of all contact")
+        return self
 
     def of_nodes(self, deck: Deck) -> Quantity:
         """The same for any finer mesh of a deck: a displacement is that of the deck's own nodes."""
@@ -174,18 +177,26 @@ class Quantity:
         rows = range(max(first, min(half, len(result.times) - RIPPLES)), len(result.times))
         return swing([self.of_vector(v) for v in self._forces(result, deck, rows)])
 
+    def moved(self, fine: Result, coarse: Result, values: tuple[float, float]) -> float:
+        """How far a mesh is from the coarser one. The largest pressure may change place from mesh
+        to mesh, so that its changes cancel: those of the pressures beside it count, too."""
+        apart = self.difference(fine, coarse, values)
+        both = common(fine, coarse) if self.kind == "PEAK PRESSURE" else None
+        if both is None:
+            return apart
+        near = np.maximum(*both) >= BESIDE_PEAK*max(values)
+        return max(apart, float(np.abs(both[0] - both[1])[near].max(initial=0.0)))
+
     def difference(self, fine: Result, coarse: Result, values: tuple[float, float]) -> float:
         """How far two runs are apart; `values` of the fine one and of the coarse one."""
         if self.kind != "PRESSURE":
             return abs(values[0] - values[1])
-        mine, _, label = pressures(fine)
-        other, weight, old = pressures(coarse)
-        at = {int(n): k for k, n in enumerate(label)}
-        rows = np.array([at.get(int(n), -1) for n in old])
-        if (rows < 0).any():
-            return abs(values[0] - values[1])   # surfaces without common nodes
+        both = common(fine, coarse)
+        if both is None:
+            return abs(values[0] - values[1])
         # What lies between common nodes, as beside a support, is in the values alone.
-        return max(float(np.sqrt(weight @ (mine[rows] - other)**2)), abs(values[0] - values[1]))
+        weight = pressures(coarse)[1]
+        return max(float(np.sqrt(weight @ (both[0] - both[1])**2)), abs(values[0] - values[1]))
 
 
 def swing(values: list[float]) -> float:
@@ -241,6 +252,15 @@ def pressures(result: Result) -> tuple[NDArray, NDArray, NDArray]:
         raise ModelError("the pressure is asked of a deck without contact")
     return tuple(np.concatenate([np.ravel(c[name]) for c in ends])
                  for name in ("CPRESS", "WEIGHT", "LABEL"))
+
+
+def common(fine: Result, coarse: Result) -> tuple[NDArray, NDArray] | None:
+    """Pressures of both runs at the slave nodes of the coarse one; None: the fine one lacks one."""
+    mine, _, label = pressures(fine)
+    other, _, old = pressures(coarse)
+    at = {int(n): k for k, n in enumerate(label)}
+    rows = np.array([at.get(int(n), -1) for n in old], int)
+    return None if (rows < 0).any() else (mine[rows], other)
 
 
 def _rows(result: Result, deck: Deck, name: str, nodes: tuple[int, ...] = ()) -> NDArray:

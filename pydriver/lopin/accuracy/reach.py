@@ -23,8 +23,9 @@ from ..refine import refuse
 from ..result import Result
 from ..run import as_deck, check, run
 from .dual import HOPS, LOST, SMALL, Estimate, Question
+from .ends import closed_at_an_end
 from .increments import Settled, depends_on_path, left_by_increments, on_path, with_smaller
-from .mesh_error import error_of_mesh, halved
+from .mesh_error import END, INSIDE, error_of_mesh, halved
 from .meshes import Meshes
 from .quantity import Quantity, at, place_of
 from .reached import Level, Reached
@@ -83,8 +84,7 @@ def reach(scene, quantity: Quantity | None = None, target: float | None = None,
     if quantity is None and given is None:
         raise UsageError("nothing is asked for: *LOPIN, QUANTITY=FORCE, TARGET ERROR=0.01")
     with at(*place_of(deck)):
-        quantity = (quantity or given[0]).of_nodes(deck)
-        quantity.checked(deck)
+        quantity = (quantity or given[0]).checked(deck).of_nodes(deck)
     refuse(deck)
     search = _Search(without_question(deck), quantity, target or (given[1] if given else 0.01),
                      output, say, (most_elements, most_seconds), options)
@@ -230,7 +230,7 @@ class _Search:
         result, (foretold, unsure) = self._run(smaller, number)
         seconds = time.process_time() - begin
         value = found.quantity.value(result, deck)
-        apart = math.nan if before is None else found.quantity.difference(
+        apart = math.nan if before is None else found.quantity.moved(
             result, before[0], (value, before[1]))
         found.levels.append(Level(number, self.factor, elements or result.summary["model"][
             "elements"], result.summary["equations"], value, apart,
@@ -360,7 +360,7 @@ class _Search:
         pressure = "PRESSURE" in found.quantity.kind
         rough = pressure and any(line.startswith("W0409") for line in found.warnings)
         error, found.order, found.by_dual = error_of_mesh(levels, quadratic, found.in_space,
-                                                          pressure, rough)
+                                                          pressure, rough, self._peak(levels))
         found.mesh = error/scale if math.isfinite(error) else math.nan
         if found.result is not None and depends_on_path(found.deck):
             found.ripple = found.quantity.ripple(found.result, found.deck)/scale
@@ -368,6 +368,14 @@ class _Search:
             found.increments = self._left(levels[-1].mesh)
             found.against = self._against(levels)
         found.reason = found.reason or no_limit(found, levels)
+
+    def _peak(self, levels) -> str:
+        """Where a largest pressure is: looked at where it counts, for the first change."""
+        found = self.found
+        if found.quantity.kind != "PEAK PRESSURE" or found.result is None:
+            return ""
+        at_end = len(halved(levels)) == 1 and closed_at_an_end(self.deck, found.result)
+        return END if at_end else INSIDE
 
     def _against(self, levels) -> float:
         """What mesh and increments take from each other where one leaves too much and the other too

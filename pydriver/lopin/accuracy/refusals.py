@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import math
 
-from .mesh_error import LEAST_ORDER, MOST_ORDER, halved
+from .mesh_error import FALLS, LEAST_ORDER, MOST_ORDER, halved
 
 #: Share of a number on the mesh before that is left of one whose limit is 0.
 VANISHES = 0.6
@@ -25,11 +25,13 @@ def no_limit(found, levels) -> str:
     scale = max(abs(found.value), 1e-300)
     apart = [v.difference for v in known]
     values = [abs(v.value) for v in levels[-3:]]
-    grows = [b >= a for a, b in zip(apart, apart[1:])]
-    if not found.mesh > found.target:
+    peak = found.quantity.kind == "PEAK PRESSURE"
+    grows = [b >= (FALLS if peak else 1.0)*a for a, b in zip(apart, apart[1:])]
+    if found.mesh <= found.target:
         return ""
     if len(grows) >= 2 and all(grows[-2:]):
-        return f"the {found.quantity} changes more with each finer mesh " \
+        return f"the {found.quantity} changes {'hardly less' if peak else 'more'} with each " \
+            "finer mesh " \
             f"({', '.join(f'{100.0*v/scale:.2g} %' for v in apart)}): it has no limit, as at " \
             "a sharp edge; ask for a force, a displacement or PRESSURE"
     if len(known) >= 2 and all(b < VANISHES*a for a, b in zip(values, values[1:])):
