@@ -25,6 +25,7 @@ def refuse_what_stays_behind(parts: DeckParts, body: Body) -> None:
     _refuse_loads(parts, body)
     _refuse_motion(parts, body)
     _refuse_places_of_the_start(parts, body)
+    _refuse_lasting_tractions(parts)
     _refuse_equations(parts, body)
     _refuse_temperatures(parts, body)
     _refuse_some_elements(parts, body)
@@ -57,6 +58,19 @@ def _refuse_motion(parts: DeckParts, body: Body) -> None:
             if own & set(labels):
                 raise refused(f"*BOUNDARY moves {row[0]} of the body that is meshed anew by "
                               f"{row[3]:g}", "move a tool against it")
+
+
+def _refuse_lasting_tractions(parts: DeckParts) -> None:
+    """Tractions that keep their direction are forces of nodes in the steps after their own."""
+    steps, last = 0, sum(b.keyword == "STEP" for b in parts.blocks)
+    for block in parts.blocks:
+        steps += block.keyword == "STEP"
+        labels = [str(plain(row[1])).upper() for row in block.data if len(row) > 1] \
+            if block.keyword in ("DSLOAD", "DLOAD") and 0 < steps < last else []
+        if any(label.startswith("TR") for label in labels):
+            raise refused("loads act on nodes of the body that is meshed anew: tractions of step "
+                          f"{steps} that keep their direction",
+                          "give them in the last step, or as pressures (P)")
 
 
 def _refuse_places_of_the_start(parts: DeckParts, body: Body) -> None:
