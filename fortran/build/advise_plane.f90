@@ -15,6 +15,7 @@ module lopin_advise_plane
    use lopin_extrusion, only : extrusion_type, new_extrusion, face_in_base
    use lopin_mirror_scene, only : points_near, feet_differ, differs
    use lopin_advise_symmetry, only : compares, made_of
+   use lopin_step_values, only : held_at_zero, add_body_forces, put_temperatures
    implicit none
    private
    public :: advise_plane
@@ -58,20 +59,15 @@ contains
    function all_held(model, step) result(all_)
       type(model_type), intent(in) :: model
       type(step_type), intent(in) :: step
-      logical :: all_(3), held(3, model%mesh%nnode)
+      logical :: all_(3), held(6, model%mesh%nnode)
       integer :: e, i
 
-      held = .false.
-      do i = 1, size(step%prescribed)
-         associate (p => step%prescribed(i))
-            if (p%dof <= 3) held(p%dof, p%node) = .not. abs(p%value) > 0.0_wp
-         end associate
-      end do
+      held = held_at_zero(step, model%mesh%nnode)
       all_ = .true.
       do e = 1, model%mesh%nelement
          if (model%mesh%section(e) == 0) cycle
          do i = 1, count(model%mesh%conn(:, e) > 0)
-            all_ = all_ .and. held(:, model%mesh%conn(i, e))
+            all_ = all_ .and. held(:3, model%mesh%conn(i, e))
          end do
       end do
    end function all_held
@@ -202,12 +198,7 @@ contains
       logical :: held(6, model%mesh%nnode)
       integer :: i, k
 
-      held = .false.
-      do i = 1, size(step%prescribed)
-         associate (p => step%prescribed(i))
-            held(p%dof, p%node) = .not. abs(p%value) > 0.0_wp
-         end associate
-      end do
+      held = held_at_zero(step, model%mesh%nnode)
       keep = .true.
       do i = 1, size(model%rigid_body)
          do k = 1, 3
@@ -224,7 +215,7 @@ contains
       type(extrusion_type), intent(in) :: stack
       type(step_type), intent(in) :: step
       real(wp) :: force(6, model%mesh%nnode), heat(model%mesh%nnode)
-      logical :: tool(model%mesh%nnode)
+      logical :: tool(model%mesh%nnode), alike
       integer :: how(6, model%mesh%nnode), i
 
       are = .false.
@@ -243,13 +234,8 @@ contains
       end do
       if (any(differs(force, force(:, stack%column)))) return
       if (any(how /= how(:, stack%column))) return
-      if (allocated(step%temperature)) then
-         do i = 1, size(step%temperature)
-            if (step%temperature(i)%amplitude /= step%temperature(1)%amplitude) return
-            heat(step%temperature(i)%node) = step%temperature(i)%value
-         end do
-      end if
-      are = .not. any(differs(heat, heat(stack%column)))
+      call put_temperatures(step, heat, alike)
+      are = alike .and. .not. any(differs(heat, heat(stack%column)))
    end function points_are_uniform
 
    !> Pressures and tractions on faces, forces of volumes.
@@ -261,6 +247,7 @@ contains
       real(wp), allocatable :: load(:, :, :)
       real(wp) :: body(3, model%mesh%nelement)
       integer :: i, face
+      logical :: alike
 
       are = .false.
       allocate (load(4, 6, model%mesh%nelement), source=0.0_wp)
@@ -276,12 +263,8 @@ contains
             load(:, face, f%element) = load(:, face, f%element) + [f%pressure, f%traction]
          end associate
       end do
-      do i = 1, size(step%body_load)
-         associate (b => step%body_load(i))
-            if (b%amplitude /= step%body_load(1)%amplitude) return
-            body(:, b%element) = body(:, b%element) + b%force
-         end associate
-      end do
+      call add_body_forces(step, body, alike)
+      if (.not. alike) return
       do i = 1, model%mesh%nelement
          associate (base => stack%base(i))
             if (base == 0) cycle

@@ -12,6 +12,7 @@ module lopin_advise_revolution
    use lopin_tool, only : tool_type, foot_type
    use lopin_model, only : model_type, step_type, kind_of, surface_of
    use lopin_advise_symmetry, only : compares
+   use lopin_step_values, only : held_at_zero
    use lopin_mirror_scene, only : points_near, feet_differ
    use lopin_revolution, only : revolution_type, find_revolution, edges_are_circles
    implicit none
@@ -139,15 +140,10 @@ contains
       type(model_type), intent(in) :: model
       type(revolution_type), intent(in) :: scene
       type(step_type), intent(in) :: step
-      logical :: held(3, model%mesh%nnode)
+      logical :: held(6, model%mesh%nnode)
       integer :: i, plane
 
-      held = .false.
-      do i = 1, size(step%prescribed)
-         associate (p => step%prescribed(i))
-            if (p%dof <= 3) held(p%dof, p%node) = .not. abs(p%value) > 0.0_wp
-         end associate
-      end do
+      held = held_at_zero(step, model%mesh%nnode)
       are = .true.
       do plane = 1, 2
          if (.not. scene%cut(plane)) cycle

@@ -13,6 +13,7 @@ module lopin_advise_symmetry
    use lopin_pair_activity, only : active_pairs
    use lopin_mirror, only : mirror_type, new_mirror, image_of_face
    use lopin_mirror_scene, only : scene_mirror_type, mirror_scene, differs
+   use lopin_step_values, only : add_body_forces, put_temperatures
    implicit none
    private
    public :: advise_symmetry, compares, made_of
@@ -209,6 +210,7 @@ contains
       real(wp) :: force(6, 0:model%mesh%nnode), heat(0:model%mesh%nnode), sign_(3)
       real(wp) :: body(3, model%mesh%nelement)
       integer :: amplitude(6, 0:model%mesh%nnode), i
+      logical :: alike
 
       are = .false.
       sign_ = 1.0_wp
@@ -230,23 +232,13 @@ contains
             if (amplitude(p%dof, p%node) /= amplitude(p%dof, image)) return
          end associate
       end do
-      do i = 1, size(step%body_load)
-         associate (b => step%body_load(i))
-            ! Several with amplitudes are not told apart.
-            if (b%amplitude /= step%body_load(1)%amplitude) return
-            body(:, b%element) = body(:, b%element) + b%force
-         end associate
-      end do
+      call add_body_forces(step, body, alike)
+      if (.not. alike) return
       do i = 1, model%mesh%nelement
          if (any(differs(sign_*body(:, i), body(:, mirror%element(i))))) return
       end do
-      if (allocated(step%temperature)) then
-         do i = 1, size(step%temperature)
-            if (step%temperature(i)%amplitude /= step%temperature(1)%amplitude) return
-            heat(step%temperature(i)%node) = step%temperature(i)%value
-         end do
-      end if
-      are = .not. any(differs(heat(1:), heat(mirror%node)) .and. mirror%node > 0)
+      call put_temperatures(step, heat(1:), alike)
+      are = alike .and. .not. any(differs(heat(1:), heat(mirror%node)) .and. mirror%node > 0)
    end function loads_are_images
 
    !> Pressures and tractions on faces.

@@ -7,7 +7,7 @@
 module lopin_extrusion
    use lopin_kinds, only : wp
    use lopin_sorting, only : sort
-   use lopin_cells, only : cell_type
+   use lopin_cells, only : cell_type, face_of_nodes
    use lopin_mesh, only : mesh_type, max_nodes_per_element
    implicit none
    private
@@ -200,23 +200,12 @@ contains
       type(mesh_type), intent(in) :: mesh
       type(cell_type), intent(in) :: cell      !! of both elements
       integer, intent(in) :: e, f
-      integer :: wanted(8), own(8), n
 
       face = 0
-      n = cell%face_nnode(f)
-      associate (z => mesh%x(self%axis, mesh%conn(cell%face_node(:n, f), e)))
-         if (maxval(z) - minval(z) <= self%near) return
+      associate (node => mesh%conn(cell%face_node(:cell%face_nnode(f), f), e), &
+         & base => mesh%conn(:cell%nnode, self%base(e)))
+         if (maxval(mesh%x(self%axis, node)) - minval(mesh%x(self%axis, node)) <= self%near) return
+         face = face_of_nodes(cell, self%column(base), self%column(node))
       end associate
-      wanted = 0
-      wanted(:n) = self%column(mesh%conn(cell%face_node(:n, f), e))
-      call sort(wanted)
-      do face = 1, cell%nface
-         own = 0
-         n = cell%face_nnode(face)
-         own(:n) = self%column(mesh%conn(cell%face_node(:n, face), self%base(e)))
-         call sort(own)
-         if (all(own == wanted)) return
-      end do
-      face = 0
    end function face_in_base
 end module lopin_extrusion

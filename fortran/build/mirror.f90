@@ -5,7 +5,7 @@
 module lopin_mirror
    use lopin_kinds, only : wp
    use lopin_sorting, only : sort
-   use lopin_cells, only : cell_type
+   use lopin_cells, only : cell_type, face_of_nodes
    use lopin_mesh, only : mesh_type, max_nodes_per_element
    use lopin_point_bins, only : point_bins_type
    implicit none
@@ -171,19 +171,8 @@ contains
       type(mesh_type), intent(in) :: mesh
       type(cell_type), intent(in) :: cell      !! of both elements
       integer, intent(in) :: e, f
-      integer :: wanted(8), own(8), n
 
-      wanted = 0
-      n = cell%face_nnode(f)
-      wanted(:n) = self%node(mesh%conn(cell%face_node(:n, f), e))
-      call sort(wanted)
-      do face = 1, cell%nface
-         own = 0
-         n = cell%face_nnode(face)
-         own(:n) = mesh%conn(cell%face_node(:n, face), self%element(e))
-         call sort(own)
-         if (all(own == wanted)) return
-      end do
-      face = 0
+      face = face_of_nodes(cell, mesh%conn(:, self%element(e)), &
+         & self%node(mesh%conn(cell%face_node(:cell%face_nnode(f), f), e)))
    end function image_of_face
 end module lopin_mirror

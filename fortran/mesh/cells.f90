@@ -7,10 +7,11 @@
 !> are triangle times [-1, 1].
 module lopin_cells
    use lopin_kinds, only : wp
+   use lopin_sorting, only : sort
    implicit none
    private
    public :: cell_type, cell_names, cell_id, cell_family, ncell
-   public :: new_cell, new_cell_of, new_sided_cell, shape_functions, cell_centre
+   public :: new_cell, new_cell_of, new_sided_cell, shape_functions, cell_centre, face_of_nodes
 
    integer, parameter :: ncell = 12
 
@@ -345,4 +346,24 @@ contains
          dl(k, k + 1) = 1.0_wp
       end do
    end subroutine barycentric
+
+   !> The face of a cell that has these nodes, in any order; 0: none.
+   pure integer function face_of_nodes(cell, node, face_node) result(face)
+      type(cell_type), intent(in) :: cell
+      integer, intent(in) :: node(:)           !! numbers of the cell's nodes
+      integer, intent(in) :: face_node(:)      !! numbers of the nodes of a face
+      integer :: wanted(8), own(8), n
+
+      wanted = 0
+      wanted(:size(face_node)) = face_node
+      call sort(wanted)
+      do face = 1, cell%nface
+         own = 0
+         n = cell%face_nnode(face)
+         own(:n) = node(cell%face_node(:n, face))
+         call sort(own)
+         if (all(own == wanted)) return
+      end do
+      face = 0
+   end function face_of_nodes
 end module lopin_cells

@@ -206,11 +206,13 @@ contains
       allocate (kinds, source=damage_kinds(model))
       mean = memory%damage(1::2, :)
       allocate (width(size(memory%damage, 2)))
-      call find_owners(model, memory%first, body, material)
       do k = 1, size(kinds)
          call find_widths(model, memory%first, kinds(k), width)
          if (.not. any(width > 0.0_wp)) cycle
-         if (.not. allocated(table)) call states_of_points(self, model%mesh, u, memory, table)
+         if (.not. allocated(table)) then
+            call states_of_points(self, model%mesh, u, memory, table)
+            call find_owners(model, memory%first, body, material)
+         end if
          call bins%fill(table(3:5, :), maxval(width))
          do j = 1, size(width)
             if (.not. width(j) > 0.0_wp) cycle

@@ -82,7 +82,7 @@ def temperatures_of(blocks: list[Block], named: MeshCards, nodes: set[int]) -> d
     for block in blocks:
         starts = block.keyword == "INITIAL CONDITIONS" and word_of(block, "TYPE") == "TEMPERATURE"
         for row in block.data if starts or block.keyword == "TEMPERATURE" else ():
-            own = nodes & set(_labels(named, row[0]))
+            own = nodes & set(labels_of(named.nsets, row[0]))
             if own and not starts:
                 raise ModelError("*TEMPERATURE: heat of a step does not go to the next operation",
                                  help="run at the temperature of *INITIAL CONDITIONS, "
@@ -91,5 +91,6 @@ def temperatures_of(blocks: list[Block], named: MeshCards, nodes: set[int]) -> d
     return found
 
 
-def _labels(named: MeshCards, what) -> list[int]:
-    return [what] if isinstance(what, int) else named.nsets.get(str(plain(what)).upper(), [])
+def labels_of(sets: dict[str, list[int]], what) -> list[int]:
+    """Nodes or elements that a line names by their label or their set."""
+    return [what] if isinstance(what, int) else sets.get(str(plain(what)).upper(), [])

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from ..deck import Block
-from ..material_cards import beyond_points, of_materials, sections_of, word_of
+from ..material_cards import beyond_points, labels_of, of_materials, sections_of, word_of
 from ..model_read_mesh import plain
 from .body import Body, DeckParts, held_dofs, held_in, pair_names, refused
 
@@ -25,7 +25,7 @@ def refuse_what_stays_behind(parts: DeckParts, body: Body) -> None:
     _refuse_loads(parts, body)
     _refuse_motion(parts, body)
     _refuse_places_of_the_start(parts, body)
-    _refuse_lasting_tractions(parts)
+    _refuse_lasting_tractions(parts, body)
     _refuse_equations(parts, body)
     _refuse_temperatures(parts, body)
     _refuse_some_elements(parts, body)
@@ -39,9 +39,7 @@ def _refuse_loads(parts: DeckParts, body: Body) -> None:
     own = set(body.labels.tolist())
     for block in parts.blocks:
         for row in block.data if block.keyword == "CLOAD" else ():
-            labels = [row[0]] if isinstance(row[0], int) else \
-                parts.cards.nsets.get(str(row[0]).upper(), [])
-            if own & set(labels):
+            if own & set(_labels(parts, row[0])):
                 raise refused(f"*CLOAD acts on {row[0]} of the body that is meshed anew",
                               "load a tool")
 
@@ -53,21 +51,23 @@ def _refuse_motion(parts: DeckParts, body: Body) -> None:
         for row in block.data if block.keyword == "BOUNDARY" else ():
             if len(row) < 4 or not isinstance(row[3], int | float) or row[3] == 0.0:
                 continue
-            labels = [row[0]] if isinstance(row[0], int) else \
-                parts.cards.nsets.get(str(row[0]).upper(), [])
-            if own & set(labels):
+            if own & set(_labels(parts, row[0])):
                 raise refused(f"*BOUNDARY moves {row[0]} of the body that is meshed anew by "
                               f"{row[3]:g}", "move a tool against it")
 
 
-def _refuse_lasting_tractions(parts: DeckParts) -> None:
+def _refuse_lasting_tractions(parts: DeckParts, body: Body) -> None:
     """Tractions that keep their direction are forces of nodes in the steps after their own."""
     steps, last = 0, sum(b.keyword == "STEP" for b in parts.blocks)
+    faces = {name for tag in body.tags for kind, name in tag if kind == "S"}
+    elements = set(body.elements.tolist())
     for block in parts.blocks:
         steps += block.keyword == "STEP"
-        labels = [str(plain(row[1])).upper() for row in block.data if len(row) > 1] \
-            if block.keyword in ("DSLOAD", "DLOAD") and 0 < steps < last else []
-        if any(label.startswith("TR") for label in labels):
+        lasts = block.keyword in ("DSLOAD", "DLOAD") and 0 < steps < last
+        if any(str(plain(row[1])).upper().startswith("TR") and
+               (str(plain(row[0])).upper() in faces or
+                elements & set(labels_of(parts.cards.elsets, row[0])))
+               for row in block.data if lasts and len(row) > 1):
             raise refused("loads act on nodes of the body that is meshed anew: tractions of step "
                           f"{steps} that keep their direction",
                           "give them in the last step, or as pressures (P)")
@@ -102,7 +102,7 @@ def _held(parts: DeckParts, own: set[int], step: int) -> set[tuple[int, int]]:
 
 def _labels(parts: DeckParts, name) -> list[int]:
     """Nodes that a line names by their label or their set."""
-    return [name] if isinstance(name, int) else parts.cards.nsets.get(str(name).upper(), [])
+    return labels_of(parts.cards.nsets, name)
 
 
 def _refuse_equations(parts: DeckParts, body: Body) -> None:
@@ -136,8 +136,7 @@ def _refuse_temperatures(parts: DeckParts, body: Body) -> None:
                 str(plain(block.parameters.get("TYPE", ""))).upper() != "TEMPERATURE":
             continue
         for row in block.data:
-            labels = {row[0]} if isinstance(row[0], int) else \
-                set(parts.cards.nsets.get(str(row[0]).upper(), []))
+            labels = set(_labels(parts, row[0]))
             if own & labels and (isinstance(row[0], int) or not own <= labels):
                 raise refused(f"the temperature of {row[0]} belongs to nodes of the first mesh of "
                               f"{body.elset}", "give one temperature to a set of all its nodes")
