@@ -20,7 +20,8 @@ module lopin_job
    use lopin_blas_threads, only : set_blas_threads, blas_threads
    use lopin_report, only : summary_type
    use lopin_shared_work, only : set_threads_of_run
-   use lopin_text, only : plural, to_text, upper
+   use lopin_plural, only : plural
+   use lopin_text, only : to_text, upper
    use lopin_version, only : version
    use lopin_watcher, only : watcher_type
    use omp_lib, only : omp_get_max_threads

@@ -10,7 +10,8 @@ module lopin_closing
    use lopin_recorder_json, only : json_recorder_type
    use lopin_report, only : summary_type
    use lopin_terminal, only : terminal_type
-   use lopin_text, only : plural, to_text
+   use lopin_plural, only : plural
+   use lopin_text, only : to_text
    implicit none
    private
    public :: tell_end

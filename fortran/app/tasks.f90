@@ -22,7 +22,8 @@ module lopin_tasks
    use lopin_safe_text, only : printable
    use lopin_selftest, only : selftest_case, ncase
    use lopin_terminal, only : terminal_type
-   use lopin_text, only : join, plural, to_text
+   use lopin_plural, only : plural
+   use lopin_text, only : join, to_text
    use lopin_version, only : version
    implicit none
    private

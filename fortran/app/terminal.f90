@@ -10,7 +10,8 @@ module lopin_terminal
    use lopin_live, only : clear_line
    use lopin_render, only : render, render_json, json_string
    use lopin_safe_text, only : printable
-   use lopin_text, only : plural, to_text
+   use lopin_plural, only : plural
+   use lopin_text, only : to_text
    use lopin_recorder_json, only : json_schema
    implicit none
    private

@@ -6,7 +6,7 @@ module lopin_text
    private
    public :: upper, lower, squeeze, without_blanks, parse_real, parse_integer, edit_distance, &
       & nearest_word
-   public :: to_text, join, quoted, plural
+   public :: to_text, join, quoted
 
    !> Shortest text that reads back as the same number: `to_text(0.1_wp)` is `0.1`.
    interface to_text
@@ -388,13 +388,4 @@ contains
       character(len=:), allocatable :: shown
       shown = '`'//text//'`'
    end function quoted
-
-   !> `1 element`, `2 elements`.
-   pure function plural(number, noun) result(text)
-      integer, intent(in) :: number
-      character(len=*), intent(in) :: noun
-      character(len=:), allocatable :: text
-      text = integer_text(number)//' '//noun
-      if (number /= 1) text = text//'s'
-   end function plural
 end module lopin_text

@@ -2,7 +2,8 @@
 module lopin_build_constraints
    use lopin_kinds, only : wp
    use lopin_error, only : location_type
-   use lopin_text, only : to_text, plural
+   use lopin_plural, only : plural
+   use lopin_text, only : to_text
    use lopin_model, only : model_type, rigid_body_type, equation_type, surface_of
    use lopin_block, only : deck_type, block_type, field_type, split_fields, complain, line_place
    use lopin_build_scene, only : need_integer, need_real, scene_type, list_type, push, get_word, &

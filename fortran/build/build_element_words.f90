@@ -11,6 +11,11 @@ module lopin_build_element_words
    private
    public :: find_element_words, set_kind
 
+   character(len=*), parameter :: instead_of_members = 'instead of a truss SPRINGA with '// &
+      & '*SPRING, its stiffness E A/L; instead of a beam, a shell or a membrane solids that '// &
+      & 'bend well: '// &
+      & 'CPE8R, CPS8R, CAX8R, C3D20R, C3D8I'
+
 contains
 
    subroutine find_element_words(model, deck, scene)
@@ -58,7 +63,9 @@ contains
       character(len=:), allocatable :: word, cells, skins
       logical :: found
       integer :: k, pass, most
+      logical :: built                         !! trusses, beams, shells or membranes are there
 
+      built = .false.
       most = 0
       skin = -1
       skins = ''
@@ -77,18 +84,38 @@ contains
                   if (index(', '//skins//',', ', '//word//',') > 0) cycle
                   if (len(skins) > 0) skins = skins//', '
                   skins = skins//word
+                  built = built .or. len(member_of(word)) > 0
                end if
             end associate
          end do
       end do
       if (len(skins) == 0) return
       skin = most - 1
-      call complain(log, 'E0206', skins//' cannot stand beside '//cells//': one scene does not '// &
-         & 'mix dimensions', first_at, note='gmsh writes the edges and faces of a part as '// &
-         & 'elements, too; Lopin has solids only, no trusses, beams or shells', help='leave '// &
-         & 'them out: `lopin convert part.msh part.inp` makes a deck of gmsh''s mesh with its '// &
-         & 'groups as sets and surfaces')
+      call complain(log, 'E0206', skins//' cannot stand beside '//cells//': '//trim(merge( &
+         & 'there are no trusses, beams, shells or membranes', &
+         & 'one scene does not mix dimensions               ', built)), first_at, &
+         & note='gmsh writes the edges and faces of a part as elements, too: leave them out; '// &
+         & '`lopin convert part.msh part.inp` makes a deck of gmsh''s mesh with its groups as '// &
+         & 'sets and surfaces', help=instead_of_members)
    end subroutine refuse_skins
+
+   !> What elements of a type make that is no solid: `trusses`, `beams` ...; '': nothing like that.
+   pure function member_of(word) result(noun)
+      character(len=*), intent(in) :: word
+      character(len=:), allocatable :: noun
+      character(len=4) :: begin
+
+      begin = word
+      noun = ''
+      if (index('0123456789', begin(2:2)) > 0) then
+         if (begin(1:1) == 'S') noun = 'shells'
+         if (begin(1:1) == 'B') noun = 'beams'
+         if (begin(1:1) == 'T') noun = 'trusses'
+      end if
+      if (begin == 'STRI' .or. any(begin(:3) == ['SC6', 'SC8', 'SAX'])) noun = 'shells'
+      if (begin == 'PIPE' .or. begin == 'ELBO' .or. begin == 'FRAM') noun = 'beams'
+      if (any(begin(:3) == ['M3D', 'MAX', 'MCL'])) noun = 'membranes'
+   end function member_of
 
    !> Of the body that elements of a type make: 3, 2, or 1; 0: unknown, or rigid.
    pure integer function dimensions_of(word) result(n)
@@ -97,10 +124,11 @@ contains
       n = 0
       if (index(word, 'C3D') == 1) then
          n = 3
-      else if (any(word(:min(3, len(word))) == ['CPE', 'CPS', 'CAX', 'M3D', 'STR']) .or. &
-         & any(word == ['S3 ', 'S4 ', 'S6 ', 'S8 ', 'S3R', 'S4R', 'S8R'])) then
+      else if (any(word(:min(3, len(word))) == ['CPE', 'CPS', 'CAX'])) then
          n = 2
-      else if (any(word(:min(3, len(word))) == ['T3D', 'T2D', 'B31', 'B32', 'B21', 'B22'])) then
+      else if (any(member_of(word) == [character(len=9) :: 'shells', 'membranes'])) then
+         n = merge(1, 2, index(word, 'AX') == 2)
+      else if (len(member_of(word)) > 0) then
          n = 1
       end if
    end function dimensions_of
@@ -109,15 +137,21 @@ contains
       type(log_type), intent(inout) :: log
       character(len=*), intent(in) :: word
       type(location_type), intent(in) :: at
-      character(len=:), allocatable :: label, help
+      character(len=:), allocatable :: label, help, text
 
-      help = 'elements are CPE, CPS, CAX 3 4 6 8, C3D 4 6 8 10 15 20, rigid R2D2, RAX2, R3D3, R3D4'
-      if (dimensions_of(word) > 0) help = help//'; there are no trusses, beams or shells'
+      text = 'element type `'//word//'` is not known'
       label = 'not an element of Lopin'
-      if (len(nearest_word(word, element_words)) > 0) label = 'did you mean ' &
-         & //nearest_word(word, element_words)//' ?'
-      call complain(log, 'E0206', 'element type `'//word//'` is not known', at, label=label, &
-         & help=help)
+      if (len(member_of(word)) > 0) then
+         text = text//': there are no '//member_of(word)
+         help = instead_of_members
+      else
+         help = 'elements are CPE, CPS, CAX 3 4 6 8, C3D 4 6 8 10 15 20, rigid R2D2, RAX2, '// &
+            & 'R3D3, R3D4'
+         if (dimensions_of(word) > 0) help = help//'; there are no trusses, beams or shells'
+         if (len(nearest_word(word, element_words)) > 0) label = 'did you mean ' &
+            & //nearest_word(word, element_words)//' ?'
+      end if
+      call complain(log, 'E0206', text, at, label=label, help=help)
    end subroutine unknown_word
 
    !> Dimensions and kind of the scene; every word must agree with the first.

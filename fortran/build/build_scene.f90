@@ -7,7 +7,8 @@
 module lopin_build_scene
    use lopin_kinds, only : wp
    use lopin_error, only : location_type, log_type
-   use lopin_text, only : upper, nearest_word, to_text, parse_integer, plural
+   use lopin_plural, only : plural, plural_of
+   use lopin_text, only : upper, nearest_word, to_text, parse_integer
    use lopin_mesh, only : mesh_type, set_type, find_label, find_set
    use lopin_element_type, only : element_type
    use lopin_block, only : block_type, field_type, get_parameter, complain, field_integer, &
@@ -193,8 +194,8 @@ contains
       end do
       label = 'not defined'
       if (len(guess) > 0) label = 'did you mean '//guess//' ?'
-      call complain(log, 'E0201', 'no '//what//' `'//name//'`; '//what//'s defined: '//text, at, &
-         & label=label)
+      call complain(log, 'E0201', 'no '//what//' `'//name//'`; '//plural_of(what)//' defined: '// &
+         & text, at, label=label)
    end subroutine no_such
 
    !> The index of the set a card of a scope means; complains and returns 0 when there is none.

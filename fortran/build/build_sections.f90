@@ -2,7 +2,8 @@
 module lopin_build_sections
    use lopin_kinds, only : wp
    use lopin_error, only : location_type, log_type, severity
-   use lopin_text, only : to_text, plural
+   use lopin_plural, only : plural
+   use lopin_text, only : to_text
    use lopin_model, only : model_type, section_type
    use lopin_element_type, only : element_type, element_kind, new_element_type
    use lopin_flow_curve, only : flows

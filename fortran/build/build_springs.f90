@@ -98,9 +98,8 @@ contains
       end do
       do e = 1, scene%ncard
          call spring_card(e, word, found)
-         if (found .and. .not. used(e)) call complain(model%log, 'E0203', 'spring elements of `' &
-            & //word//'` have no *SPRING', deck%block(scene%card(e)%block)%at, &
-            & help='*SPRING, ELSET='//word//' with the ELSET of their *ELEMENT card')
+         if (found .and. .not. used(e)) call missing_card(model%log, deck%block( &
+            & scene%card(e)%block), word)
       end do
 
    contains
@@ -125,6 +124,31 @@ contains
          end associate
       end subroutine spring_card
    end subroutine build_springs
+
+   !> Elements without the card that says what they are: *SPRING, or *GAP of GAPUNI.
+   subroutine missing_card(log, block, set)
+      type(log_type), intent(inout) :: log
+      type(block_type), intent(in) :: block     !! *ELEMENT
+      character(len=*), intent(in) :: set
+      character(len=:), allocatable :: word, card, what
+      type(location_type) :: at
+      logical :: found
+
+      call get_word(block, 'TYPE', word, at, found)
+      card = '*SPRING'
+      what = 'spring elements'
+      if (word == 'GAPUNI') then
+         card = '*GAP'
+         what = 'gap elements'
+      end if
+      if (len(set) == 0) then
+         call complain(log, 'E0203', what//' are in no set', block%at, help='ELSET= on this '// &
+            & 'card, and '//card//' with the same ELSET')
+         return
+      end if
+      call complain(log, 'E0203', what//' of `'//set//'` have no '//card, block%at, &
+         & help=card//', ELSET='//set//' with the ELSET of their *ELEMENT card')
+   end subroutine missing_card
 
    !> The springs of one *ELEMENT card, by one *SPRING card.
    subroutine add_springs(model, deck, scene, e, card)

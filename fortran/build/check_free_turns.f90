@@ -38,13 +38,18 @@ contains
             dofs = ''
             do k = first, 3
                if (.not. free(k)) cycle
-               about = about//merge('   ', ' or', about == '')
-               about = trim(adjustl(about))//' '//axes(k:k)
-               dofs = dofs//merge(' and ', '     ', dofs /= '')
-               dofs = trim(adjustl(dofs))//' '//to_text(k + merge(0, 3, body%rotation > 0))
+               if (len(about) > 0) about = about//' or '
+               about = about//axes(k:k)
+               if (len(dofs) > 0) dofs = dofs//' and '
+               dofs = dofs//to_text(k + merge(0, 3, body%rotation > 0))
             end do
+            if (count(free) > 1) then
+               dofs = 'dofs '//dofs
+            else
+               dofs = 'dof '//dofs
+            end if
             call model%log%say(severity%note, 'N0305', 'rigid body '//body%name// &
-               & ' is moved and free to turn about'//about//': nothing prescribes dof'// &
+               & ' is moved and free to turn about '//about//': nothing prescribes '// &
                & dofs//' of node '//to_text(model%mesh%node_label(node)), body%at, &
                & help='*BOUNDARY on these dofs if it should not turn; else contact and '// &
                & 'friction turn it')

@@ -11,7 +11,7 @@ module lopin_block
    private
    public :: source_type, parameter_type, data_line_type, field_type, block_type, deck_type
    public :: split_fields, count_fields, field_real, field_integer, get_parameter, has_parameter
-   public :: complain, line_text, line_place
+   public :: complain, line_text, line_place, without_quotes
 
    integer, parameter :: most_errors = 20   !! further errors of one reading are not collected
 
@@ -118,6 +118,20 @@ contains
       comma = 0
    end function next_comma
 
+   !> A name as it is meant: quoted, or with quoted parts (`"my part-1".Set-1`).
+   pure function without_quotes(text) result(bare)
+      character(len=*), intent(in) :: text
+      character(len=:), allocatable :: bare
+      integer :: i
+
+      bare = text
+      do
+         i = index(bare, '"')
+         if (i == 0) return
+         bare = bare(:i - 1)//bare(i + 1:)
+      end do
+   end function without_quotes
+
    subroutine set_field(field, line, first, last)
       type(field_type), intent(inout) :: field
       type(data_line_type), intent(in) :: line
@@ -138,10 +152,8 @@ contains
          field%text = ''
       else if (a == b .and. scan(line%text(a:b), blanks) > 0) then
          field%text = ''
-      else if (b > a .and. line%text(a:a) == '"' .and. line%text(b:b) == '"') then
-         field%text = line%text(a + 1:b - 1)
       else
-         field%text = line%text(a:b)
+         field%text = without_quotes(line%text(a:b))
       end if
       field%at = location_type(line%file, line%line, a, max(a, b))
    end subroutine set_field

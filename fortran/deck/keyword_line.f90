@@ -1,6 +1,6 @@
 !> The grammar of a keyword line: `*KEYWORD, NAME=VALUE, FLAG`, over one or several lines.
 module lopin_keyword_line
-   use lopin_block, only : block_type, parameter_type, complain, has_parameter
+   use lopin_block, only : block_type, parameter_type, complain, has_parameter, without_quotes
    use lopin_error, only : location_type, log_type
    use lopin_text, only : upper, squeeze, quoted
    implicit none
@@ -94,13 +94,7 @@ contains
          a = equals + 1
          b = last
          call shrink(text, a, b)
-         if (b > a) then
-            if (text(a:a) == '"' .and. text(b:b) == '"') then
-               a = a + 1
-               b = b - 1
-            end if
-         end if
-         new%value = text(a:b)
+         new%value = without_quotes(text(a:b))
          new%value_at = location_type(file, line, a, max(a, b))
       end if
       if (has_parameter(block, new%name)) then

@@ -20,6 +20,10 @@ module lopin_validate
    private
    public :: validate_deck
 
+   !> What stands behind the noun of a sentence, which says whether it is one or several.
+   character(len=7), parameter :: behind_nouns(7) = [character(len=7) :: 'of', 'that', 'fitted', &
+      & 'given', 'in', 'without', 'by']
+
 contains
 
    !> Complain about what the table does not allow, and bring every word into its first spelling.
@@ -64,12 +68,21 @@ contains
       if (.not. lost) call leave_deck(place, deck, log)
    end subroutine validate_deck
 
+   !> Of a noun with what may stand behind it: `elements that fail`, `couplings (*EQUATION exists)`.
    pure function verb(noun) result(word)
       character(len=*), intent(in) :: noun
       character(len=:), allocatable :: word
+      integer :: last, i, j
 
+      last = len(noun)
+      j = index(noun, ' (')
+      if (j > 0) last = j - 1
+      do i = 1, size(behind_nouns)
+         j = index(noun, ' '//trim(behind_nouns(i))//' ')
+         if (j > 0) last = min(last, j - 1)
+      end do
       word = 'comes'
-      if (index(noun, 's', back=.true.) == len(noun) .and. noun /= 'dynamics') word = 'come'
+      if (noun(last:last) == 's' .and. noun(:last) /= 'dynamics') word = 'come'
    end function verb
 
    !> An unknown keyword: what was meant, and where it would be expected.

@@ -8,7 +8,8 @@ module lopin_validate_data
    use lopin_keyword_table, only : keyword_table_type, keyword_type
    use lopin_lost_star, only : help_of, is_keyword
    use lopin_kinds, only : wp
-   use lopin_text, only : parse_real, parse_integer, plural, quoted, upper, without_blanks, to_text
+   use lopin_plural, only : plural
+   use lopin_text, only : parse_real, parse_integer, quoted, upper, without_blanks, to_text
    implicit none
    private
    public :: check_data

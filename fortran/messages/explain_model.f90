@@ -269,7 +269,7 @@ contains
       call add_explanation(list, 'E0310', 'a body can move freely', &
          & 'Nothing holds a body in some direction, so its position is not determined and the '// &
          & 'matrix is singular. Contact holds a body only after it has closed, and never '// &
-         & 'along a frictionless surface.', &
+         & 'along a frictionless surface; with friction within the cones of its law only.', &
          & 'fix a dof, or bring the tool into touch before the force acts.')
       call add_explanation(list, 'E0403', 'a node is constrained twice', &
          & 'A boundary condition, an equation, a tie or a rigid body each take a dof; two of '// &

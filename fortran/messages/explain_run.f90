@@ -93,8 +93,10 @@ contains
       call add_explanation(list, 'E0520', 'stick and slip cycle', &
          & 'The states of the points with friction change for ever between the same ones, with '// &
          & 'every cure that Lopin knows: the damped tangent, one row at a time, fixed bounds. '// &
-         & 'Often no unique state exists: see W0520.', &
-         & 'take smaller increments, or look whether the coefficient of friction is meant.')
+         & 'Often no unique state exists: see W0520. A body that friction cannot hold as a '// &
+         & 'whole is E0310; one that it hardly holds may cycle, too.', &
+         & 'take smaller increments or ELASTIC SLIP=; a body that friction hardly holds '// &
+         & 'needs more friction or a support.')
       call add_explanation(list, 'N0520', 'elastic slip of a penalty pair', &
          & 'A pair that lets penetrate also lets slip a little where it sticks: 0.5 % of the '// &
          & 'facet at the bound, unless ELASTIC SLIP, SLIP TOLERANCE or a stick slope is given.', &

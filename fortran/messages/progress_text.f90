@@ -3,7 +3,8 @@ module lopin_progress_text
    use lopin_kinds, only : wp
    use lopin_render, only : json_string
    use lopin_report, only : verdict_words
-   use lopin_text, only : plural, to_text
+   use lopin_plural, only : plural
+   use lopin_text, only : to_text
    use lopin_watcher, only : news_type, event_of
    implicit none
    private

@@ -5,7 +5,8 @@ module lopin_json_verdict
    use lopin_report, only : frame_type, certificate_type, energy_type, verdict_words, lost_work, &
       & keep_certificate, keep_energy
    use lopin_json_writer, only : json_writer_type
-   use lopin_text, only : plural, to_text
+   use lopin_plural, only : plural
+   use lopin_text, only : to_text
    implicit none
    private
    public :: verdict_type, note_verdict, keep_verdict, add_judgement, verdict_line

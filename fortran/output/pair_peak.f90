@@ -6,7 +6,8 @@ module lopin_pair_peak
    use lopin_recorder_table, only : pair_summary_type
    use lopin_report, only : frame_type
    use lopin_stream, only : stream_type
-   use lopin_text, only : plural, to_text
+   use lopin_plural, only : plural
+   use lopin_text, only : to_text
    implicit none
    private
    public :: pair_peak_type, note_peak, keep_peak, add_peak, pair_words

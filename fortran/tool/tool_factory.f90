@@ -2,6 +2,7 @@
 module lopin_tool_factory
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise, location_type
+   use lopin_plural, only : plural
    use lopin_text, only : to_text
    use lopin_vectors, only : cross
    use lopin_tool, only : tool_type
@@ -163,19 +164,19 @@ contains
       if (mesh%nfacet == 0) then
          call raise(error, error_code%deck, 'E0332', 'the tool has no facet with an area')
       else if (flaws%crowded > 0) then
-         call raise(error, error_code%deck, 'E0332', counted(flaws%crowded, 'edge')// &
+         call raise(error, error_code%deck, 'E0332', plural(flaws%crowded, 'edge')// &
             & ' shared by three or more facets, one at '//place_text(flaws%crowded_at), &
             & help='a tool is the surface of one body: unite overlapping bodies before the export')
       else if (flaws%hole > 0 .and. .not. may_be_open) then
          call raise(error, error_code%deck, 'E0332', 'the surface has a hole: '// &
-            & counted(flaws%hole, 'edge')//' of one facet only, one at '// &
+            & plural(flaws%hole, 'edge')//' of one facet only, one at '// &
             & place_text(flaws%hole_at), help='close it where it was made; if it is a sheet, '// &
             & 'such as the face of a die, say so by OPEN')
       else if (flaws%loop > 0) then
          call raise(error, error_code%deck, 'E0332', 'the surface has one side only, as a '// &
             & 'Moebius strip: no facet knows where outside is')
       else if (flaws%against > 0 .and. .not. may_turn) then
-         call raise(error, error_code%deck, 'E0332', counted(flaws%against, 'facet')// &
+         call raise(error, error_code%deck, 'E0332', plural(flaws%against, 'facet')// &
             & ' looking against the others, one at '//place_text(flaws%against_at), &
             & help='export it again, or have the lesser area turned by REPAIR')
       else
@@ -192,13 +193,6 @@ contains
          call move_alloc(facets, tool)
       end if
    end subroutine new_tool_from_facets
-
-   pure function counted(n, word) result(text)
-      integer, intent(in) :: n
-      character(len=*), intent(in) :: word
-      character(len=:), allocatable :: text
-      text = to_text(n)//' '//word//trim(merge('s', ' ', n /= 1))
-   end function counted
 
    function place_text(x) result(text)
       real(wp), intent(in) :: x(3)   !! [length]

@@ -2,7 +2,8 @@
 program test_text
    use lopin_kinds, only : wp
    use lopin_text, only : upper, lower, squeeze, without_blanks, parse_real, parse_integer, &
-      & edit_distance, nearest_word, to_text, join, plural
+      & edit_distance, nearest_word, to_text, join
+   use lopin_plural, only : plural, plural_of
    use check, only : test, is_true, equal_text, finish
    implicit none
 
@@ -81,6 +82,8 @@ program test_text
    call equal_text('join two', join([character(len=3) :: 'a', 'bb', 'c'], ' ', 2), 'a bb ...')
    call equal_text('one', plural(1, 'node'), '1 node')
    call equal_text('two', plural(2, 'node'), '2 nodes')
+   call equal_text('the noun', plural_of('set of spring elements'), 'sets of spring elements')
+   call equal_text('several', plural_of('section controls'), 'section controls')
    call finish()
 
 contains

@@ -89,3 +89,45 @@ def test_a_ball_that_is_free_to_turn_is_said(text, turns, executable, tmp_path):
     said = re.findall(r"note\[N0305\].*", run.stderr)
     assert len(said) == turns, run.stderr
     assert not turns or "RAM is moved and free to turn about z: nothing prescribes dof 6" in said[0]
+
+
+def test_axes_that_are_free_are_listed_with_blanks(executable, tmp_path):
+    text = """*NODE
+1, 0., 0., 0.
+2, 1., 0., 0.
+3, 1., 1., 0.
+4, 0., 1., 0.
+5, 0., 0., 1.
+6, 1., 0., 1.
+7, 1., 1., 1.
+8, 0., 1., 1.
+9, 0., 0., 1.
+*ELEMENT, TYPE=C3D8, ELSET=B
+1, 1, 2, 3, 4, 5, 6, 7, 8
+*SURFACE, NAME=TOP
+B, S2
+*MATERIAL, NAME=M
+*ELASTIC
+1., 0.
+*SOLID SECTION, ELSET=B, MATERIAL=M
+*SURFACE, NAME=BALL, TYPE=REVOLUTION
+0., 0., 2., 0., 0., 3.
+START, 1., 0.
+CIRCL, 0., -1., 0., 0.
+*RIGID BODY, ANALYTICAL SURFACE=BALL, REF NODE=9
+*SURFACE INTERACTION, NAME=I
+*CONTACT PAIR, INTERACTION=I
+TOP, BALL
+*BOUNDARY
+1, 1, 3
+2, 1, 3
+3, 1, 3
+9, 1, 4
+*STEP
+*STATIC
+*BOUNDARY
+9, 3, 3, -0.1
+*END STEP
+"""
+    run = check(executable, tmp_path, text)
+    assert "free to turn about y or z: nothing prescribes dofs 5 and 6 of node 9" in run.stderr, run.stderr

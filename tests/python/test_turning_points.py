@@ -41,6 +41,13 @@ def test_friction_after_the_last_turn(solve, words, form):
         assert {1.4, 1.8} <= {round(float(t), 9) for t in run.times}
 
 
+def test_the_end_of_a_step_is_no_point_of_an_amplitude(solve):
+    """DIRECT, and a last increment that the step cuts."""
+    run = solve(block(step("*BOUNDARY\n9001, 1, 1, 0.\n9001, 2, 2, -0.1", "0.3, 1.", direct=True), mu=0.3))
+    assert list(run.times) == pytest.approx([0.3, 0.6, 0.9, 1.0])
+    assert not [d for d in run.diagnostics if d["code"] == "N0550"]
+
+
 def test_a_linear_scene_without_history_takes_its_own_increments(solve):
     run = solve(cycle(mu=0.0))
     assert list(run.times) == pytest.approx([1.0, 2.0])

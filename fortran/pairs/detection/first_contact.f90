@@ -1,7 +1,8 @@
 !> The first search of contact, pair by pair, in words.
 module lopin_first_contact
    use lopin_kinds, only : wp
-   use lopin_text, only : to_text, plural
+   use lopin_plural, only : plural
+   use lopin_text, only : to_text
    use lopin_model, only : model_type
    use lopin_contact_points, only : contact_points_type, pair_is_tied
    use lopin_initial_gaps, only : initial_gap_type, may_tie

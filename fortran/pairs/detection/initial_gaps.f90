@@ -3,7 +3,8 @@
 module lopin_initial_gaps
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise, log_type, severity
-   use lopin_text, only : to_text, plural
+   use lopin_plural, only : plural
+   use lopin_text, only : to_text
    use lopin_row_samples, only : sample_type, base_samples, row_value
    use lopin_model, only : model_type, initial_of
    use lopin_contact_points, only : contact_points_type, pair_is_tied

@@ -67,7 +67,7 @@ contains
       type(forces_type), intent(in) :: forces
       real(wp), intent(in) :: prescribed(:)    !! (nprescribed) [length]
       real(wp) :: free(scene%constraints%neq), floor(scene%constraints%neq)
-      real(wp) :: reference, work, passed, noise
+      real(wp) :: reference, work, passed, noise, rounded
       integer :: i
 
       call reduce(scene%constraints, forces%residual, free)
@@ -90,7 +90,9 @@ contains
       call check_work(self, energy, scene, largest(floor))
       call check_hourglass(self, energy, scene, model)
       self%obeys = obeys_deck(model)
-      if (scene%rows%n > 0) self%pressure_error = max(scene%answer%soft_error, drift(scene))
+      rounded = 0.0_wp
+      if (scene%rows%n > 0) rounded = drift(scene)
+      if (scene%rows%n > 0) self%pressure_error = max(scene%answer%soft_error, rounded)
       call check_action(self, scene, model, forces%pressed)
       ! Clapeyron: at equilibrium loads, contact and reactions do twice the stored energy's work.
       ! Where the forces all but cancel no energy is stored: what they do one by one is the measure.
@@ -100,7 +102,7 @@ contains
          & + abs(forces%internal)), largest(floor)*largest(scene%trial%motion%u)/balance_limit)
       if (passed > 0.0_wp) self%energy = abs(work - 2.0_wp*energy%strain)/passed
       call check_corners(self, scene, model)
-      call give_verdict(self)
+      call give_verdict(self, rounded)
    end subroutine certify
 
    !> Gaps made from the displacements against those the contact forces were found with, beside what
@@ -280,8 +282,10 @@ contains
          & + scene%trial%solids%work, energy%hourglass)
    end subroutine check_hourglass
 
-   subroutine give_verdict(self)
+   subroutine give_verdict(self, rounded)
       type(certificate_type), intent(inout) :: self
+      real(wp), intent(in), optional :: rounded   !! share of the error of pressures by rounding
+      logical :: by_rounding
 
       self%reason = ''
       call hold(self, 'complementarity', self%complementarity, complementarity_limit)
@@ -293,12 +297,10 @@ contains
       call hold(self, 'artificial support', self%support, equilibrium_limit)
       call hold(self, 'artificial work', self%artificial, artificial_limit, 1)
       call hold(self, 'energy balance', self%energy, merge(flow_limit, balance_limit, self%flows))
-      ! A slope that the deck gives is used as given, with a warning.
-      call hold(self, 'estimated pressure error of the penalty', self%pressure_error, &
-         & penalty_limit, &
-         & merge(1, 2, self%obeys))
-      if (self%obeys .and. self%pressure_error > penalty_limit) self%reason = self%reason// &
-         & ' (beside hard contact: none if the slope of the deck is a law of the surface)'
+      by_rounding = .false.
+      if (present(rounded)) by_rounding = rounded > 0.0_wp &
+         & .and. .not. rounded < self%pressure_error
+      call hold_pressure(self, by_rounding)
       call hold(self, 'penetration beside the body', self%depth, penalty_limit, 1)
       if (self%folded == 0) return
       self%verdict = max(self%verdict, self%fold_level)
@@ -308,6 +310,25 @@ contains
          & 'inside '// &
          & 'out, its scaled Jacobian '//short(self%corner)
    end subroutine give_verdict
+
+   !> The error of the pressures where contact gives way, or where rounding has made them.
+   subroutine hold_pressure(self, by_rounding)
+      type(certificate_type), intent(inout) :: self
+      logical, intent(in) :: by_rounding
+      integer :: most
+
+      most = merge(1, 2, self%obeys)
+      if (by_rounding) then
+         call hold(self, 'gaps at odds with the contact forces', self%pressure_error, &
+            & penalty_limit, most)
+         return
+      end if
+      ! A slope that the deck gives is used as given, with a warning.
+      call hold(self, 'estimated pressure error of the penalty', self%pressure_error, &
+         & penalty_limit, most)
+      if (self%obeys .and. self%pressure_error > penalty_limit) self%reason = self%reason// &
+         & ' (beside hard contact: none if the slope of the deck is a law of the surface)'
+   end subroutine hold_pressure
 
    !> The pressures as printed were judged by themselves, when all else was done.
    !> What a tie holds, or a pair that does not separate, is right without them; supports share its

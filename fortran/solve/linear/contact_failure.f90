@@ -3,6 +3,7 @@
 module lopin_contact_failure
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise
+   use lopin_plural, only : plural
    use lopin_text, only : to_text
    use lopin_model, only : model_type
    use lopin_body_words, only : describe_motion
@@ -45,7 +46,7 @@ contains
    function motions_note(scene) result(text)
       type(scene_type), intent(in) :: scene
       character(len=:), allocatable :: text
-      text = to_text(scene%bodies%nq)//' motions are not held by supports'
+      text = plural(scene%bodies%nq, 'motion')//' not held by supports'
    end function motions_note
 
    !> The outcome of the active set as an error; none if it solved the problem.

@@ -46,7 +46,7 @@ contains
          scene%friction%speed_of_trial = .false.
          call solve_points(scene, model, gap, load, moving, .false., points, friction)
       end if
-      call explain(scene, model, points, friction, error)
+      call explain(scene, model, points, friction, moving, error)
       if (allocated(error)) return
       call remember(scene, points, friction)
       call report_elastic_slip(scene, model, points)

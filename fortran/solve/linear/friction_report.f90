@@ -4,7 +4,9 @@ module lopin_friction_report
    use lopin_error, only : error_type, error_code, raise, severity
    use lopin_text, only : to_text
    use lopin_model, only : model_type
+   use lopin_body_words, only : describe_motion
    use lopin_active_set, only : outcome
+   use lopin_cone_balance, only : find_unheld_motion
    use lopin_friction_rows, only : friction_points_type
    use lopin_friction_limits, only : find_wedging
    use lopin_friction_set, only : friction_result_type
@@ -103,17 +105,28 @@ contains
    end function label_of
 
    !> What the outcome means, as an error.
-   subroutine explain(scene, model, points, friction, error)
+   subroutine explain(scene, model, points, friction, moving, error)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       type(friction_points_type), intent(in) :: points
       type(friction_result_type), intent(in) :: friction
+      real(wp), intent(in) :: moving(:)        !! (nq) load on the floating motions
       type(error_type), allocatable, intent(out) :: error
       character(len=:), allocatable :: nodes
+      real(wp), allocatable :: motion(:)
       integer :: i
+      logical :: unheld
 
-      select case (scene%answer%outcome)
-      case (outcome%cycling)
+      if (.not. any(scene%answer%outcome == [outcome%cycling, outcome%not_held])) return
+      call find_unheld_motion(scene%problem%c, scene%problem%bilateral, points, moving, motion, &
+         & unheld)
+      if (unheld) then
+         call raise(error, error_code%singular, 'E0310', describe_motion(scene%bodies, model, &
+            & motion)//': contact and friction do not hold it under this load', &
+            & model%step(scene%step)%at, note='no forces within the cones of friction balance '// &
+            & 'the load, however the bodies deform', help='more friction, a support, or drive '// &
+            & 'it by displacement (*BOUNDARY)')
+      else if (scene%answer%outcome == outcome%cycling) then
          nodes = ''
          do i = 1, min(8, size(friction%changing))
             nodes = nodes//' '//label_of(scene, model, points, friction%changing(i))
@@ -124,8 +137,9 @@ contains
             & model%step(scene%step)%at, &
             & note='Newton, the load in parts, a damped tangent, single changes and fixed '// &
             & 'bounds were all tried', &
-            & help='smaller increments, or a smaller coefficient of friction')
-      case default
-      end select
+            & help='smaller increments, or ELASTIC SLIP= on *FRICTION, which lets points give '// &
+            & 'way before they slip; a body that friction hardly holds needs more friction, or '// &
+            & 'a support')
+      end if
    end subroutine explain
 end module lopin_friction_report

@@ -8,7 +8,6 @@ module lopin_semismooth_newton
    use lopin_vectors, only : largest
    use lopin_text, only : to_text
    use lopin_model, only : model_type
-   use lopin_body_words, only : describe_motion
    use lopin_constraints, only : expand
    use lopin_newton_refinement, only : refine
    use lopin_newton_workspace, only : add_line
@@ -21,6 +20,7 @@ module lopin_semismooth_newton
    use lopin_contraction, only : by_old_tangent, evaluate_without_tangent, note_step, gets_nowhere
    use lopin_check_mesh, only : folding_at
    use lopin_lagged_friction, only : reads_lagged, renew_lagged, share_of_new, may_relax
+   use lopin_free_body, only : raise_free_body
    use lopin_first_increment, only : size_first, flows_far
    use lopin_held_tools, only : start_motion
    use lopin_scene, only : scene_type
@@ -347,22 +347,6 @@ contains
       call expand(scene%constraints, iterate%v, iterate%before, scene%trial%motion%u)
       call evaluate(scene, model, it%search%load, .true., it%evaluation, error)
    end subroutine open_leaving_pairs
-
-   !> A body that only contact could hold, and contact does not.
-   subroutine raise_free_body(scene, model, error)
-      type(scene_type), intent(in) :: scene
-      type(model_type), intent(in) :: model
-      type(error_type), allocatable, intent(out) :: error
-      real(wp) :: q(scene%bodies%nq)
-
-      q = 0.0_wp
-      q(1) = 1.0_wp
-      call raise(error, error_code%not_converged, 'E0511', &
-         & describe_motion(scene%bodies, model, q)// &
-         & ': contact does not hold it under these loads', &
-         & model%step(scene%step)%at, note=to_text(scene%bodies%nq)//' rigid motions are free', &
-         & help='fix it by *BOUNDARY, bring it into contact, or drive it by displacement')
-   end subroutine raise_free_body
 
    !> A number that differs where statuses do, but for chance.
    pure integer function hash_of(status) result(hash)

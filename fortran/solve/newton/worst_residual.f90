@@ -1,7 +1,8 @@
 !> Where Newton's residual is worst, and which contacts changed in the last iteration.
 module lopin_worst_residual
    use lopin_kinds, only : wp
-   use lopin_text, only : to_text, plural
+   use lopin_plural, only : plural
+   use lopin_text, only : to_text
    use lopin_model, only : model_type
    use lopin_friction, only : has_friction
    use lopin_contact_row, only : contact_status

@@ -4,9 +4,10 @@ module lopin_failure_advice
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code
    use lopin_text, only : to_text
-   use lopin_model, only : model_type, step_type
+   use lopin_model, only : model_type
    use lopin_friction, only : has_friction
    use lopin_slip_increment, only : lost_bound
+   use lopin_free_body, only : pushed_by_forces
    use lopin_edge_advice, only : exchange_at_edges
    use lopin_scene, only : scene_type
    use lopin_run_type, only : run_type
@@ -150,15 +151,6 @@ contains
       if (rubs) call add(text, 'ELASTIC SLIP= on *FRICTION, where points change between stick '// &
          & 'and slip')
    end function remedy_of_contact
-
-   !> Loads act, and no motion is prescribed.
-   pure logical function pushed_by_forces(step)
-      type(step_type), intent(in) :: step
-
-      pushed_by_forces = any(abs(step%point_load%value) > 0.0_wp) .or. &
-         & any(abs(step%face_load%pressure) > 0.0_wp)
-      if (pushed_by_forces) pushed_by_forces = .not. any(abs(step%prescribed%value) > 0.0_wp)
-   end function pushed_by_forces
 
    !> A metal that flows at one stress; '': none.
    pure function without_hardening(model) result(name)

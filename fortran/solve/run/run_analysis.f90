@@ -3,6 +3,7 @@
 module lopin_run_analysis
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise, log_type
+   use lopin_plural, only : plural
    use lopin_text, only : to_text
    use lopin_clock, only : clock_type, phase, counter_type
    use lopin_blas_threads, only : ready_blas
@@ -288,7 +289,7 @@ contains
       q(1) = 1.0_wp
       call raise(error, error_code%singular, 'E0310', describe_motion(scene%bodies, model, q)// &
          & ': nothing holds it', &
-         & model%step(scene%step)%at, note=to_text(scene%bodies%nq)//' rigid motions are free', &
+         & model%step(scene%step)%at, note=plural(scene%bodies%nq, 'free rigid motion'), &
          & help='fix degrees of freedom by *BOUNDARY, or add the contact that holds the body')
    end subroutine check_supports
 

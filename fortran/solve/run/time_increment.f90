@@ -180,7 +180,7 @@ contains
          end if
          if (self%turns) clock%increment = self%wanted
          if (step%direct) clock%increment = step%initial
-         if (step%direct .and. self%turns) then
+         if (step%direct .and. self%turns .and. .not. frame%last_of_step) then
             ! Fixed increments go on in their places.
             clock%increment = self%wanted - frame%time_increment
             call note_once(scene%log, 'N0550', 'step '//to_text(scene%step)//': DIRECT '// &

@@ -1,6 +1,7 @@
 !> The plan of a run: path, method of each pair, and the line that says why.
 module lopin_plan
    use lopin_kinds, only : wp
+   use lopin_plural, only : plural
    use lopin_text, only : to_text
    use lopin_error, only : error_type, error_code, raise
    use lopin_model, only : model_type
@@ -153,7 +154,7 @@ contains
          & ' displacements of tied nodes eliminated'
       if (reached < points) line = line//', '//to_text(reached)//' of '//to_text(points)// &
          & ' slave points within reach'
-      if (nq > 0) line = line//', '//to_text(nq)//' motions held only by contact'
+      if (nq > 0) line = line//', '//plural(nq, 'motion')//' held only by contact'
       line = line//'; because '//self%reason
    end function plan_line
 

@@ -1,7 +1,8 @@
 !> Warnings and notes that are given once per place of the deck, and how often each recurred.
 module lopin_repeated_messages
    use lopin_error, only : location_type, log_type, severity
-   use lopin_text, only : to_text, plural
+   use lopin_plural, only : plural
+   use lopin_text, only : to_text
    implicit none
    private
    public :: warn_once, note_once, report_repeats
