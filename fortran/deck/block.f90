@@ -11,7 +11,7 @@ module lopin_block
    private
    public :: source_type, parameter_type, data_line_type, field_type, block_type, deck_type
    public :: split_fields, count_fields, field_real, field_integer, get_parameter, has_parameter
-   public :: complain, line_text, line_place, without_quotes
+   public :: complain, line_text, line_place, without_quotes, quotes_close
 
    integer, parameter :: most_errors = 20   !! further errors of one reading are not collected
 
@@ -118,13 +118,25 @@ contains
       comma = 0
    end function next_comma
 
-   !> A name as it is meant: quoted, or with quoted parts (`"my part-1".Set-1`).
+   !> Whether each quote of the text has its second one.
+   pure logical function quotes_close(text)
+      character(len=*), intent(in) :: text
+      integer :: i
+
+      quotes_close = .true.
+      do i = 1, len(text)
+         if (text(i:i) == '"') quotes_close = .not. quotes_close
+      end do
+   end function quotes_close
+
+   !> A name as it is meant: quoted, or with quoted parts (`"my part-1".Set-1`). One quote alone stays.
    pure function without_quotes(text) result(bare)
       character(len=*), intent(in) :: text
       character(len=:), allocatable :: bare
       integer :: i
 
       bare = text
+      if (.not. quotes_close(text)) return
       do
          i = index(bare, '"')
          if (i == 0) return

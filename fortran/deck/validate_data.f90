@@ -2,7 +2,7 @@
 !> valid.
 module lopin_validate_data
    use lopin_block, only : block_type, data_line_type, field_type, complain, count_fields, &
-      & split_fields, &
+      & split_fields, quotes_close, &
       & field_real, line_place
    use lopin_error, only : log_type, location_type, severity
    use lopin_keyword_table, only : keyword_table_type, keyword_type
@@ -44,14 +44,9 @@ contains
       type(data_line_type), intent(in) :: line
       type(keyword_type), intent(in) :: known
       type(log_type), intent(inout) :: log
-      integer :: i, number
+      integer :: i
 
-      if (known%is_free_text .or. index(line%text, '"') == 0) return
-      number = 0
-      do i = 1, len(line%text)
-         if (line%text(i:i) == '"') number = number + 1
-      end do
-      if (mod(number, 2) == 0) return
+      if (known%is_free_text .or. quotes_close(line%text)) return
       i = index(line%text, '"', back=.true.)
       call complain(log, 'E0111', 'a quote is opened but not closed', &
          & location_type(line%file, line%line, i, len_trim(line%text)), &
