@@ -129,7 +129,8 @@ contains
       end do
    end function quotes_close
 
-   !> A name as it is meant: quoted, or with quoted parts (`"my part-1".Set-1`). One quote alone stays.
+   !> A name as it is meant: quoted, or with quoted parts (`"my part-1".Set-1`). A quote that is not
+   !> closed stays.
    pure function without_quotes(text) result(bare)
       character(len=*), intent(in) :: text
       character(len=:), allocatable :: bare
