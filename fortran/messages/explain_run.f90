@@ -92,7 +92,8 @@ contains
          & 'smaller increments, or a mesh that bears the strain.')
       call add_explanation(list, 'E0520', 'stick and slip cycle', &
          & 'The states of the points with friction change for ever between the same ones, with '// &
-         & 'every cure that Lopin knows: the damped tangent, one row at a time, fixed bounds. '// &
+         & 'every cure that Lopin knows: the load in parts, a damped tangent, one row at '// &
+         & 'a time, fixed bounds, coefficients that come down from where all sticks. '// &
          & 'Often no unique state exists: see W0520. A body that friction cannot hold as a '// &
          & 'whole is E0310; one that it hardly holds may cycle, too.', &
          & 'take smaller increments or ELASTIC SLIP=; a body that friction hardly holds '// &

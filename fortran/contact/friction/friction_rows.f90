@@ -208,18 +208,33 @@ contains
       type(friction_points_type), intent(in) :: points
       integer, intent(in) :: k
       real(wp), intent(in) :: press                !! [force]
+      real(wp) :: by_press
+
+      call elastic_stick(points, k, press, compliance, by_press)
+   end function elastic_compliance
+
+   !> The same with its slope in the pressing force.
+   pure subroutine elastic_stick(points, k, press, compliance, by_press)
+      type(friction_points_type), intent(in) :: points
+      integer, intent(in) :: k
+      real(wp), intent(in) :: press                !! [force]
+      real(wp), intent(out) :: compliance          !! [length/force]
+      real(wp), intent(out) :: by_press            !! [length/force^2]
       real(wp) :: radius, slope
 
       compliance = 0.0_wp
+      by_press = 0.0_wp
       if (points%stiffness(k) > 0.0_wp) then
          compliance = 1.0_wp/points%stiffness(k)
       else if (points%elastic_slip(k) > 0.0_wp) then
-         call friction_radius(points%law(k), press/points%weight(k), at_rest(points%at(k)), &
-            & radius, slope)
-         if (radius > 0.0_wp .and. radius < huge(1.0_wp)) compliance = points%elastic_slip(k)/&
-            & (radius*points%weight(k))
+         associate (w => points%weight(k))
+            call friction_radius(points%law(k), press/w, at_rest(points%at(k)), radius, slope)
+            if (.not. (radius > 0.0_wp .and. radius < huge(1.0_wp))) return
+            compliance = points%elastic_slip(k)/(radius*w)
+            by_press = -compliance*slope/(radius*w)
+         end associate
       end if
-   end function elastic_compliance
+   end subroutine elastic_stick
 
    !> Slip of the increment at a point, without what elastic stick gives back [length].
    pure function slip_of(self, points, k, force, gap, press) result(slip)
@@ -245,7 +260,7 @@ contains
       integer, intent(in) :: k
       real(wp), intent(in) :: force(:), gap(:)
       real(wp) :: press, by_force, by_gap, c, w, q(points%nt), m(points%nt), size_, bound, &
-         & slope_q, slope_p, turn(points%nt, points%nt), elastic, back
+         & slope_q, slope_p, turn(points%nt, points%nt), elastic, by_press, back
       integer :: i, nt
       logical :: slips
 
@@ -253,7 +268,10 @@ contains
       w = points%weight(k)
       call pressing(self, points, k, force, gap, press, by_force, by_gap)
       associate (from => points%tangent(k), to => points%tangent(k) + nt - 1)
-         c = max(self%c(from), 2.0_wp*w*steepest_fall(points%law(k), press/w, points%at(k)))
+         ! Beside a point that yields where it sticks the scale is that of both.
+         call elastic_stick(points, k, press, elastic, by_press)
+         c = max(self%c(from)/(1.0_wp + self%c(from)*elastic), &
+            & 2.0_wp*w*steepest_fall(points%law(k), press/w, points%at(k)))
          q = force(from:to) - c*slip_of(self, points, k, force, gap, press)
          size_ = norm2(q)
          call return_to_disc(points%law(k), size_/w, c/w, press/w, points%at(k), bound, slope_q, &
@@ -279,15 +297,16 @@ contains
                turn = turn + (slope_q - back)*outer(m, m)
             end if
          end if
-         elastic = elastic_compliance(points, k, press)
          self%q(:, 1:, k) = c*turn
          self%p(:, 1:, k) = -turn
          do i = 1, nt
             self%p(:, i, k) = self%p(:, i, k) + c*(elastic + self%extra(from + i - 1))*turn(:, i)
             self%p(i, i, k) = self%p(i, i, k) + 1.0_wp
          end do
-         self%p(:, 0, k) = -slope_p*by_force*m
-         self%q(:, 0, k) = -slope_p*by_gap*m
+         ! By the pressing force: of the bound, and of what the point yields.
+         m = c*by_press*matmul(turn, force(from:to)) - slope_p*m
+         self%p(:, 0, k) = by_force*m
+         self%q(:, 0, k) = by_gap*m
       end associate
    end subroutine exact_rows
 

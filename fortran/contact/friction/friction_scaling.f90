@@ -18,6 +18,8 @@ module lopin_friction_scaling
 
    !> Digits that a sum of terms loses, beside the sum of their magnitudes.
    real(wp), parameter :: rounding = 1.0e-14_wp
+   !> Rounding beyond this share of the largest force hides what the certificate asks for.
+   real(wp), parameter :: most_rounding = 1.0e-7_wp
    !> What is left of a compliance below this share of it is rounding.
    real(wp), parameter :: no_digits = 1.0e-12_wp
 
@@ -159,7 +161,8 @@ contains
       fits = all(abs(work%equations%residual) <= limit*size_ + most_noise(self, work, x) &
          & *work%nodal)
       if (fits) then
-         noise = noise_of(self, work, x)*work%nodal
+         ! A body that has flown away leaves no digits to tell by.
+         noise = min(noise_of(self, work, x)*work%nodal, most_rounding*size_)
          fits = all(abs(work%equations%residual) <= limit*size_ + noise)
       end if
       work%equations%c = collective

@@ -4,8 +4,9 @@
 !> rows. The tangential scaling is the collective compliance of the closed points
 !> (lopin_friction_scaling): with the nodal one Newton cycles. Where states repeat without progress,
 !> in order: the load of the increment in parts; the tangent of Hueeber, Stadler and Wohlmuth; one
-!> normal row at a time; a fixed point on the bounds (Tresca), whose problems are convex. Bodies
-!> that only contact and friction hold move with the unknown motions q, C^T lambda = -moving.
+!> normal row at a time; a fixed point on the bounds (Tresca), whose problems are convex;
+!> coefficients from where all sticks down to those of the laws. Bodies that only contact and
+!> friction hold move with the unknown motions q, C^T lambda = -moving.
 module lopin_friction_set
    use lopin_kinds, only : wp
    use lopin_vectors, only : largest
@@ -25,11 +26,12 @@ module lopin_friction_set
 
    integer, parameter :: most_bounds = 100, most_parts = 60
    real(wp), parameter :: least_part = 1.0e-4_wp
+   real(wp), parameter :: most_friction = 16.0_wp   !! what coefficients are multiplied by at first
    !> Changes below this share of the largest force end the augmentation, and the fixed point.
    real(wp), parameter :: settled = 1.0e-10_wp
    !> Newton and its fallbacks, in order.
    type :: fallbacks
-      integer :: newton = 1, load = 2, damped = 3, single = 4, bounds = 5
+      integer :: newton = 1, load = 2, damped = 3, single = 4, bounds = 5, friction = 6
    end type fallbacks
    type(fallbacks), parameter :: fallback = fallbacks()
 
@@ -162,7 +164,7 @@ contains
 
       start = x
       predict = work%predict
-      do cure = fallback%newton, fallback%bounds
+      do cure = fallback%newton, fallback%friction
          x = start
          work%predict = predict .and. cure /= fallback%single .and. cure /= fallback%load
          work%equations%damped = cure == fallback%damped
@@ -173,6 +175,8 @@ contains
             call fix_bounds(self, points, work, x, solved)
          else if (cure == fallback%load) then
             call follow_load(self, points, work, x, solved)
+         else if (cure == fallback%friction) then
+            call follow_friction(self, points, work, x, solved)
          else
             call newton(self, points, work, x, solved)
          end if
@@ -233,6 +237,44 @@ contains
       work%moving = moving_end
       solved = solved .and. reached >= 1.0_wp
    end subroutine follow_load
+
+   !> Coefficients from where all that touches sticks down to those of the laws: each answer starts
+   !> the next one, and the last is that of the increment.
+   subroutine follow_friction(self, points, work, x, solved)
+      type(condensed_type), intent(inout) :: self
+      type(friction_points_type), intent(in) :: points
+      type(work_type), intent(inout) :: work
+      type(trial_type), intent(inout) :: x
+      logical, intent(out) :: solved
+      type(friction_points_type) :: rough
+      type(trial_type) :: next
+      real(wp) :: factor, ratio, part
+      integer :: pass
+
+      solved = .false.
+      if (.not. any(points%law%mu > 0.0_wp)) return
+      rough = points
+      factor = 2.0_wp*most_friction
+      ratio = 2.0_wp
+      do pass = 1, most_parts
+         part = max(1.0_wp, factor/ratio)
+         rough%law%mu = part*points%law%mu
+         rough%law%mu_static = part*points%law%mu_static
+         next = x
+         call newton(self, rough, work, next, solved)
+         if (solved) then
+            x = next
+            factor = part
+            if (part <= 1.0_wp) exit
+            ratio = ratio**2
+         else
+            if (pass == 1) exit
+            ratio = ratio**0.25_wp
+            if (ratio - 1.0_wp < least_part) exit
+         end if
+      end do
+      solved = solved .and. factor <= 1.0_wp
+   end subroutine follow_friction
 
    !> Tresca's fixed point: bounds from the pressures found last, until they stay.
    subroutine fix_bounds(self, points, work, x, solved)

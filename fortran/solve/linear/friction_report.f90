@@ -135,8 +135,8 @@ contains
          call raise(error, error_code%not_converged, 'E0520', 'stick and slip cycle after '// &
             & to_text(scene%answer%iterations)//' iterations'//nodes, &
             & model%step(scene%step)%at, &
-            & note='Newton, the load in parts, a damped tangent, single changes and fixed '// &
-            & 'bounds were all tried', &
+            & note='Newton, the load in parts, a damped tangent, single changes, fixed bounds '// &
+            & 'and coefficients that come down were all tried', &
             & help='smaller increments, or ELASTIC SLIP= on *FRICTION, which lets points give '// &
             & 'way before they slip; a body that friction hardly holds needs more friction, or '// &
             & 'a support')
