@@ -1,16 +1,19 @@
-!> Steps on the rows along the faces alone, and on all closed rows: the same states.
+!> Rows of points have the slopes of their differences; steps on the rows along the faces alone, and
+!> on all closed rows: the same states.
 program test_friction_tangents
    use lopin_kinds, only : wp
    use check, only : test, close_to, is_true, finish
    use lopin_condensed, only : condensed_type, form_compliance
    use lopin_enforcement_factory, only : new_enforcement
    use lopin_dense, only : cholesky
-   use lopin_friction, only : law_of
+   use lopin_friction, only : law_of, law_names
+   use friction_cases, only : law_with, scene
    use lopin_friction_rows, only : friction_points_type, new_equations, form_equations
    use lopin_friction_step, only : trial_type, work_type, step_of_all_rows
    use lopin_friction_tangents, only : step_to
    use lopin_eliminated_normals, only : eliminated_type, eliminate_normals
    implicit none
+   integer :: law, nt
 
    call what_is_left()
    call rows_that_depend()
@@ -18,6 +21,13 @@ program test_friction_tangents
    call steps(2, 0)
    call steps(1, 1)
    call steps(2, 2)
+   do law = 1, size(law_names)
+      do nt = 1, 2
+         call slopes(law, nt, 0.0_wp, 0.0_wp)
+         call slopes(law, nt, 0.2_wp, 0.0_wp)
+         call slopes(law, nt, 0.0_wp, 3.0_wp)
+      end do
+   end do
    call finish()
 
 contains
@@ -83,6 +93,64 @@ contains
          call is_true('sign', again%sign_of_determinant == work%sign_of_determinant)
       end do
    end subroutine steps
+
+   !> Rows along the faces by fourth-order differences along ways in all forces and gaps: exact
+   !> stick, elastic slip, a stiffness of stick.
+   subroutine slopes(law, nt, elastic_slip, stiffness)
+      integer, intent(in) :: law, nt
+      real(wp), intent(in) :: elastic_slip, stiffness
+      integer, parameter :: n = 12, nway = 4
+      real(wp), parameter :: h = 1.0e-5_wp, far(4) = [-2.0_wp, -1.0_wp, 1.0_wp, 2.0_wp], &
+         & share(4) = [1.0_wp, -8.0_wp, 8.0_wp, -1.0_wp]/12.0_wp
+      type(condensed_type) :: problem
+      type(friction_points_type) :: points
+      type(work_type) :: work
+      real(wp), allocatable :: force(:), gap(:), dforce(:), dgap(:), rate(:), slope(:)
+      integer :: status(n), trial, way, i, j, k
+      integer :: kept(n)                       !! state before and behind differences is the same
+
+      call test('slopes of points: '//trim(law_names(law)))
+      call random_problem(problem, points, n, nt, 0)
+      points%law = law_with(law)
+      points%at = scene()
+      points%elastic_slip = elastic_slip
+      points%stiffness = stiffness
+      do trial = 1, nway
+         call new_equations(work%equations, problem, points)
+         force = random(problem%nrow)
+         gap = 0.3_wp*random(problem%nrow)
+         force(:n) = force(:n) + 1.5_wp
+         dforce = random(problem%nrow)
+         dgap = random(problem%nrow)
+         kept = 1
+         allocate (rate(problem%nrow), slope(problem%nrow), source=0.0_wp)
+         call form_equations(work%equations, problem, points, force, gap)
+         status = work%equations%status
+         do way = 1, 4
+            call form_equations(work%equations, problem, points, force + far(way)*h*dforce, gap &
+               & + far(way)*h*dgap)
+            rate = rate + share(way)/h*work%equations%residual
+            where (work%equations%status /= status) kept = 0
+         end do
+         call form_equations(work%equations, problem, points, force, gap)
+         call is_true('most states stay', sum(kept) > n/2)
+         do k = 1, n
+            associate (from => points%tangent(k), e => work%equations)
+               if (status(k) == 0 .or. kept(k) == 0) cycle
+               do i = 1, nt
+                  slope(from + i - 1) = e%p(i, 0, k)*dforce(k) + e%q(i, 0, k)*dgap(k)
+                  do j = 1, nt
+                     slope(from + i - 1) = slope(from + i - 1) + e%p(i, j, k)*dforce(from + j - 1) &
+                        & + e%q(i, j, k)*dgap(from + j - 1)
+                  end do
+               end do
+               call close_to('slope', slope(from:from + nt - 1), rate(from:from + nt - 1), &
+                  & 1.0e-7_wp*(1.0_wp + maxval(abs(rate(from:from + nt - 1)))))
+            end associate
+         end do
+         deallocate (rate, slope)
+      end do
+   end subroutine slopes
 
    subroutine random_problem(problem, points, n, nt, nq)
       type(condensed_type), intent(out) :: problem

@@ -12,7 +12,8 @@
 module lopin_friction_rows
    use lopin_kinds, only : wp
    use lopin_condensed, only : condensed_type
-   use lopin_friction, only : friction_type, condition_type, friction_radius, is_regularised
+   use lopin_friction, only : friction_type, condition_type, friction_radius, is_regularised, &
+      & by_rate, reads_speed
    use lopin_friction_return, only : return_to_disc, regularised_traction, drag_limit, &
       & at_rest, steepest_fall
    use lopin_tool, only : outer => outer_product
@@ -262,16 +263,17 @@ contains
       real(wp) :: press, by_force, by_gap, c, w, q(points%nt), m(points%nt), size_, bound, &
          & slope_q, slope_p, turn(points%nt, points%nt), elastic, by_press, back
       integer :: i, nt
-      logical :: slips
+      logical :: slips, joint
 
       nt = points%nt
       w = points%weight(k)
       call pressing(self, points, k, force, gap, press, by_force, by_gap)
       associate (from => points%tangent(k), to => points%tangent(k) + nt - 1)
-         ! Beside a point that yields where it sticks the scale is that of both.
          call elastic_stick(points, k, press, elastic, by_press)
-         c = max(self%c(from)/(1.0_wp + self%c(from)*elastic), &
-            & 2.0_wp*w*steepest_fall(points%law(k), press/w, points%at(k)))
+         c = max(self%c(from), 2.0_wp*w*steepest_fall(points%law(k), press/w, points%at(k)))
+         ! Beside a point that yields where it sticks the scale is that of both.
+         joint = .not. (by_rate(points%law(k)) .or. reads_speed(points%law(k)))
+         if (joint) c = c/(1.0_wp + c*elastic)
          q = force(from:to) - c*slip_of(self, points, k, force, gap, press)
          size_ = norm2(q)
          call return_to_disc(points%law(k), size_/w, c/w, press/w, points%at(k), bound, slope_q, &
@@ -303,8 +305,9 @@ contains
             self%p(:, i, k) = self%p(:, i, k) + c*(elastic + self%extra(from + i - 1))*turn(:, i)
             self%p(i, i, k) = self%p(i, i, k) + 1.0_wp
          end do
-         ! By the pressing force: of the bound, and of what the point yields.
-         m = c*by_press*matmul(turn, force(from:to)) - slope_p*m
+         ! By the pressing force: of the bound, and of what the point yields (and so of c).
+         if (.not. joint) q = force(from:to)
+         m = c*by_press*matmul(turn, q) - slope_p*m
          self%p(:, 0, k) = by_force*m
          self%q(:, 0, k) = by_gap*m
       end associate
