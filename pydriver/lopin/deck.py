@@ -234,6 +234,9 @@ def _value(field: str) -> Value:
 
 
 def _field(value: Value) -> str:
+    if type(value) is float:   # most of a mesh
+        text = repr(value)
+        return text[:-1] if text.endswith(".0") else text
     if value is None:
         return ""
     if isinstance(value, str):
