@@ -79,7 +79,7 @@ def test_damage_goes_along(word, core, tmp_path):
     law = PLASTIC + "\n*DAMAGE, CRITERION=RICE-TRACEY\n*DAMAGE, CRITERION=LEMAITRE, WIDTH=1."
     if word == "C3D4":
         pytest.importorskip("mmgpy")
-    scene = block(word, law=law, travel=-1.0)
+    scene = block(word, law=law, travel=-1.0, card="PERIOD=.4, STRAIN=10.", increments=10)
     assert len(run(scene, tmp_path).remeshes) >= 2
     found = history(tmp_path, scene.name)
     solids = sorted(tmp_path.glob("block.p[0-9][0-9][0-9]_[0-9]*.vtu"))
