@@ -219,10 +219,11 @@ def _block(text: str) -> Block:
 def _value(field: str) -> Value:
     if not field:
         return None
-    try:
-        return int(field)
-    except ValueError:
-        pass
+    if "." not in field:
+        try:
+            return int(field)
+        except ValueError:
+            pass
     try:
         return float(field)
     except ValueError:

@@ -29,7 +29,7 @@ def opening(result, time: float) -> float:
 
 def test_angles_beside_those_of_other_codes(sheet):
     """Reported: other codes differ by 11 degrees after the release."""
-    bent = lopin.run(lopin.Deck.parse(free_bending(), "free_bending"))
+    bent = lopin.run(lopin.Deck.parse(free_bending((80, 4)), "free_bending"))
     pair = (opening(bent, 1.0), opening(bent, bent.times[-1]))
     for source, values in SOURCES.items():
         for name, found, other in zip(("bent", "released"), pair, values):

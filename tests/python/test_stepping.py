@@ -112,7 +112,7 @@ def test_a_state_goes_on_in_a_new_model_to_the_same_bits(name, root, core, tmp_p
 
 
 #: Cup and ring on the present shape, friction loops on both paths, turning rings, exact springs.
-FORGETTING = {"cup": 3, "ring_compression": 4, "crushed_ring": 4, "cattaneo": 12, "rotating_rings": 3,
+FORGETTING = {"cup": 3, "ring_compression": 4, "crushed_ring": 4, "cattaneo": 6, "rotating_rings": 3,
               "two_springs": 4}
 
 
