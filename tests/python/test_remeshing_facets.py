@@ -53,7 +53,7 @@ def swapped(line):
 
 def test_a_ridge_of_triangles_presses_over_new_meshes_as_the_arc_does(core, tmp_path):
     """force, volume, planes, and nodes on the triangles."""
-    card = "SIZE=1.2, SMALLEST=.5, PERIOD=.4, STRAIN=10., PENETRATION=10."
+    card = "SIZE=1.4, SMALLEST=.8, PERIOD=.4, STRAIN=10., PENETRATION=10."
     force = {}
     for facets in (0, 90):
         report = run(ridge(tmp_path, facets, card, increments=10), tmp_path/f"of{facets}")

@@ -176,7 +176,7 @@ def test_metres_give_what_millimetres_do(word, core, tmp_path):
     if word == "C3D4":
         pytest.importorskip("mmgpy")
     size = {"CAX4": "SIZE=.9, SMALLEST=.3, PERIOD=.2",
-            "C3D4": "SIZE=1.5, SMALLEST=.6, PERIOD=.4"}[word]
+            "C3D4": "SIZE=1.5, SMALLEST=1., PERIOD=.4"}[word]
     card = f"{size}, STRAIN=10."
     scene = block(word, card=card, travel=-1.5 if word == "CAX4" else -1.0, mu=0.1,
                   increments=10)
