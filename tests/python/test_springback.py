@@ -46,7 +46,7 @@ def test_a_release_that_friction_drags_on_is_one_too(monkeypatch):
     assert "W0522" in released(flanged, 0.25, (0.01, 0.01), 0.1)[1]
 
 
-@pytest.mark.parametrize("thickness, mu", [(0.25, 0.0), (0.5, 0.0), (0.5, 0.1)])
+@pytest.mark.parametrize("thickness, mu", [(0.25, 0.0), (0.5, 0.1)])
 def test_energy_that_no_work_gave_is_told_beside_what_comes_free(thickness, mu, monkeypatch):
     """A flange over a radius of five facets: its force rises and falls as each of them leaves."""
     monkeypatch.setattr(metal, "MOST", 2000)
