@@ -219,10 +219,11 @@ def _block(text: str) -> Block:
 def _value(field: str) -> Value:
     if not field:
         return None
-    try:
-        return int(field)
-    except ValueError:
-        pass
+    if "." not in field:
+        try:
+            return int(field)
+        except ValueError:
+            pass
     try:
         return float(field)
     except ValueError:
@@ -234,6 +235,9 @@ def _value(field: str) -> Value:
 
 
 def _field(value: Value) -> str:
+    if type(value) is float:   # most of a mesh
+        text = repr(value)
+        return text[:-1] if text.endswith(".0") else text
     if value is None:
         return ""
     if isinstance(value, str):

@@ -5,9 +5,7 @@ import itertools
 import os
 import tempfile
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from concurrent.futures import BrokenExecutor, ProcessPoolExecutor
 from dataclasses import dataclass, field
-from multiprocessing import get_context
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -86,6 +84,9 @@ def sweep(scene: Model | Deck | str | Path | Callable[..., Model | Deck],
     elif workers == 0:
         told = [_solve(*job) for job in jobs]
     else:
+        from concurrent.futures import ProcessPoolExecutor
+        from multiprocessing import get_context
+
         count = min(workers or os.cpu_count() or 1, len(jobs))
         with ProcessPoolExecutor(count, mp_context=get_context("spawn")) as pool:
             told = _gather([pool.submit(_solve, *job) for job in jobs])
@@ -153,6 +154,8 @@ def _solve(text: str, name: str, source: str, folder: str, options: dict) -> dic
 
 def _gather(futures: list) -> list[dict | None]:
     """What each run told; a worker that died is told, too."""
+    from concurrent.futures import BrokenExecutor
+
     told = []
     try:
         for future in futures:

@@ -32,14 +32,14 @@ def reference_of(deck):
 def test_methods_elements_and_meshes(crown, tmp_path, capsys):
     pytest.importorskip("matplotlib")
     asked = ["--quantity", "FORCE", "--set", reference_of(crown), "--component", "2"]
-    words = ["--methods", "lagrange,penalty", "--elements", "CPE4,CPE8", "--meshes", "0,1,2"]
+    words = ["--methods", "lagrange,penalty", "--elements", "CPE4,CPE8", "--meshes", "0,1"]
     assert main(["chart", crown, *asked, *words, "-o", str(tmp_path)]) == 0
     said = capsys.readouterr().out
-    assert "12 runs, 0 without an answer, 0 silent" in said
+    assert "8 runs, 0 without an answer, 0 silent" in said
     rows = rows_of(tmp_path)
     exact = {(r["element"], int(r["mesh"])): float(r["error"]) for r in rows
              if r["method"] == "lagrange"}
-    assert exact["CPE4", 2] < 0.5*exact["CPE4", 0]
+    assert exact["CPE4", 1] < 0.5*exact["CPE4", 0]
     assert exact["CPE8", 0] < exact["CPE4", 0]
     assert all(float(r["seconds"]) > 0.0 and int(r["repetitions"]) >= 3 for r in rows)
     assert len({float(r["right"]) for r in rows}) == 1

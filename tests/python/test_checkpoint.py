@@ -146,7 +146,8 @@ SCENES = {
     "tied by mortar": tied,
     "die of facets": lambda: pressed("CPE4", 1.57, 0.0, path="FINITE", mu=0.2, slide=3.0).text(),
     "die of facets, condensed": lambda: pressed("CPE4", 1.57, 0.0, mu=0.2, slide=3.0).text(),
-    "self-contact": lambda: deck("crushed_ring"),
+    "self-contact": lambda: deck("crushed_ring").replace("0.02, 1., 1.E-6, 0.02",
+                                                         "0.04, 1., 1.E-6, 0.04"),
     "large rotation": lambda: deck("elastica"),
     "cut back and stopped": lambda: pulled(0.4),
 }
@@ -242,8 +243,8 @@ def test_rows_that_come_late_are_kept(bench):
 
 
 @pytest.mark.parametrize("name", ["condensed friction", "plastic"])
-def test_ten_runs_killed_at_random_moments(bench, name):
-    """With both scenes twenty; the moments are other ones in every session, and said if one
+def test_six_runs_killed_at_random_moments(bench, name):
+    """With both scenes twelve; the moments are other ones in every session, and said if one
     fails."""
     b = bench(SCENES[name]().replace("0.05, 1.",
                                      "0.02, 1.").replace("0.1, 1.",
@@ -269,7 +270,7 @@ def test_ten_runs_killed_at_random_moments(bench, name):
         assert code == 0, said
         assert b.differences("alone",
                              folder) == [], f"seed {seed}, trial {trial}, killed after {wait:.4f} s of {span:.4f} s"
-        if killed == 10:
+        if killed == 6:
             return
     raise AssertionError(f"only {killed} runs were still going when they were killed")
 

@@ -59,7 +59,7 @@ def plates(far_pair):
     return text + f"*CLOAD\nHEAD, 3, {-10/layer}\n*NODE PRINT, NSET=HEAD\nU\n*END STEP\n"
 
 
-def crown(whole, load, increments=1, behaviour="DIRECT", friction="", layers=3):
+def crown(whole, load, increments=1, behaviour="DIRECT", friction="", layers=2):
     """Half of a crowned block that only contact holds against falling, pressed on a bed.
 
     `whole`: a body far away that is moved far makes every point one within reach from the start."""

@@ -20,11 +20,12 @@ def smooth(deck):
 
 
 def flange(word="CPE4I", thickness=1.0, times=1, mu=0.0, frame=PLAIN):
-    """The flange of map 16 on so many times more facets."""
+    """The flange of map 16 on so many times more facets, wiped down and not let go."""
     def finer(word, t, cells, *place):
         return strip(word, t, (times*cells[0], cells[1]), *place)
     with patch.object(forming_scenes, "strip", finer):
-        return flanged(word, thickness, mu, (0.02, 0.02), "lagrange", frame=frame)[0].deck()
+        text = flanged(word, thickness, mu, (0.02, 0.02), "lagrange", frame=frame)[0].deck().text()
+    return lopin.Deck.parse(text[:text.rindex("*STEP")], "flanged")
 
 
 def force_over_way(result):
@@ -36,9 +37,10 @@ def force_over_way(result):
 
 
 def test_the_force_of_a_flange_waves_less_and_is_nearer_to_that_on_short_facets():
-    """Facets of a fifth of the radius, beside a quarter as long ones: .070 and .032 of the largest force in the mean square, .32 and .09 at most."""
+    """Facets of a fifth of the radius, beside a third as long ones: .067 and .034 of the largest
+    force in the mean square, .26 and .11 at most."""
     flat, curved = (force_over_way(run(deck)) for deck in (flange(), smooth(flange())))
-    right = force_over_way(run(flange(times=4)))
+    right = force_over_way(run(flange(times=3)))
     off = [np.abs(force - right)/right.max() for force in (flat, curved)]
     assert np.sqrt((off[1]**2).mean()) < 0.6*np.sqrt((off[0]**2).mean())
     assert off[1].max() < 0.5*off[0].max()

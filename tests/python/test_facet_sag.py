@@ -50,10 +50,10 @@ def rise(deck):
     return (said or [(None, 0.0)])[0], abs(history[name][-1])
 
 
-@pytest.mark.parametrize("word, cells", [("CPE4I", (14, 40)), ("CPE8R", (10, 20))])
+@pytest.mark.parametrize("word, cells", [("CPE4I", (14, 20)), ("CPE8R", (10, 20))])
 def test_the_rise_tells_what_facets_make_of_a_force(word, cells):
-    """Facets of a seventh to a half of the radius beside short ones."""
-    (_, fine), right = rise(pressed_home(word, 3.0, {"CPE4I": 80, "CPE8R": 40}[word]))
+    """Facets of a third to two thirds of the radius beside short ones."""
+    (_, fine), right = rise(pressed_home(word, 3.0, {"CPE4I": 56, "CPE8R": 28}[word]))
     told = [rise(pressed_home(word, 3.0, n)) for n in cells]
     assert all(code == "W0562" for (code, _), _ in told)
     for (_, coarse), force in told:

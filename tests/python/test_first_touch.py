@@ -120,9 +120,9 @@ def drag(result):
 def test_what_a_round_tool_passes_over_in_an_increment_slips(word, mu, radius, depth, rise, tool):
     """Its gap closes and opens again on the way: slip counts from where the point was met."""
     scene = radius, depth, rise, tool
-    right = drag(drawn(word, mu, 0.125, *scene))
+    right = drag(drawn(word, mu, 0.25, *scene))
     limit = 0.02*max(abs(right))
-    for facets in (1.5, 3.0, 8.0):
+    for facets in (1.5, 8.0):
         assert drag(drawn(word, mu, facets, *scene)) == pytest.approx(right, abs=limit)
 
 

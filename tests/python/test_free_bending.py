@@ -29,7 +29,7 @@ def opening(result, time: float) -> float:
 
 def test_angles_beside_those_of_other_codes(sheet):
     """Reported: other codes differ by 11 degrees after the release."""
-    bent = lopin.run(lopin.Deck.parse(free_bending(), "free_bending"))
+    bent = lopin.run(lopin.Deck.parse(free_bending((80, 4)), "free_bending"))
     pair = (opening(bent, 1.0), opening(bent, bent.times[-1]))
     for source, values in SOURCES.items():
         for name, found, other in zip(("bent", "released"), pair, values):
@@ -37,7 +37,7 @@ def test_angles_beside_those_of_other_codes(sheet):
                           other, 20.0, f"{source}, code to code", absolute=True)
 
 
-@pytest.mark.parametrize("share", [0, 1, 4])
+@pytest.mark.parametrize("share", [0, 4])
 def test_friction_regularised_by_slip_takes_work_round_a_punch(share):
     """Nodes turn with the sheet while they slide: what the law keeps of the slip lies in the tangent
     plane of where they are. By the normals before, pressure seemed to work (E0555, E0504)."""

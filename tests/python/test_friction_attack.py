@@ -71,7 +71,7 @@ def test_nothing_wrong_passes(core, kind, lost):
 
     rng = np.random.default_rng(11)
     refused = increments = 0
-    for _ in range(60):
+    for _ in range(40):
         n, mu = int(rng.integers(1, 5)), float(rng.choice(FRICTION))
         s = compliance_of(rng, kind, n)
         s = 0.5*(s + s.T)*10.0**rng.uniform(-12.0, 6.0)

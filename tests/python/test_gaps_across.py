@@ -169,7 +169,7 @@ def test_metal_that_is_dented_is_pressed_on(solve, slave, master, nlgeom):
     cells across."""
     forces = []
     for word, across in [("CPE4", ()), ("C3D8", (1, 1)), ("C3D8", (1, 3)), ("C3D8", (2, 1)),
-                         ("C3D8", (3, 2))]:
+                         *([("C3D8", (3, 2))] if slave == 4 else [])]:
         result = solve(crowned(word, slave, master, across, nlgeom))
         assert result.verdict in ("PASS", "WARN") and result.summary["steps"][0]["increments"] < 40
         forces.append(np.asarray(result.history["TSBOTTOM-BSTOP.force2" if word == "CPE4" else

@@ -45,12 +45,14 @@ def ring_deck():
 
 
 def test_a_run_is_identified_from_its_own_bores(core):
-    deck = ring_deck()
-    ring = Ring.of(deck)
+    ring = Ring.of(ring_deck())
     assert ring.half and ring.start() == pytest.approx((30.0, 15.0, 10.0))
     height, inner = ring.history("TRESCA", 0.12)
     assert height[-1] == pytest.approx(7.0) and len(height) > 10
-    table = Table(HEIGHTS, np.interp(HEIGHTS, height[::-1], inner[::-1]))
+    deck = small_ring("upper")
+    height, inner = Ring.of(deck).history("TRESCA", 0.12)
+    assert height[-1] == pytest.approx(4.8)
+    table = Table(0.6*HEIGHTS[:-1], np.interp(0.6*HEIGHTS[:-1], height[::-1], inner[::-1]))
     found = identify(deck, table, say=lambda line: None)
     assert found.law == "TRESCA" and found.value == pytest.approx(0.12, abs=1e-3)
     assert found.rms < 1e-2

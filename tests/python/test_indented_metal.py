@@ -18,8 +18,8 @@ PUBLISHED = {20.0: 2.038043e6, 40.0: 4.076085e6, 60.0: 6.114128e6, 80.0: 8.15217
 
 @pytest.fixture(scope="module")
 def pressed():
-    """The ball 100 mm deep, 24 cells under it."""
-    return lopin.run(lopin.Deck.parse(ball_in_metal(24), "ball_in_metal"))
+    """The ball 100 mm deep, 16 cells under it."""
+    return lopin.run(lopin.Deck.parse(ball_in_metal(16), "ball_in_metal"))
 
 
 def test_force_beside_the_published_line(pressed, sheet):

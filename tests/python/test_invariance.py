@@ -67,7 +67,7 @@ def test_a_turned_scene_has_the_same_invariants(solve, sheet, name, method):
 def test_numbers_of_nodes_and_elements_do_not_count(solve, sheet, name, method):
     scene = SCENES[name]().but(method=method)
     first = solve(scene)
-    for seed in (1, 2, 3):
+    for seed in (1, 2):
         second = solve(renumbered(scene, seed))
         assert first.counts["0.closed"] == second.counts["0.closed"]
         limit(sheet, f"{name}, {method.lower()}: renumbered ({seed})", difference(first, second),
@@ -234,7 +234,8 @@ def test_no_slope_is_silently_wrong(executable, solve, tmp_path, name, method):
     right = solve(scene)
     young = min(e for e, _ in scene.materials.values())
     good = 0
-    for exponent in range(-2, 19):
+    every = 1 if name == "corner" else 2
+    for exponent in range(-2, 19, every):
         deck = scene.but(method=method, slope=young*10.0**exponent).deck()
         process, folder = run(executable, deck, tmp_path/str(exponent), accept=(0, 3, 4))
         if process.returncode:
@@ -247,7 +248,7 @@ def test_no_slope_is_silently_wrong(executable, solve, tmp_path, name, method):
                            - 1.0))
         good += off < 1e-4
         assert off < 0.05 or certificate["verdict"] == "WARN", (exponent, off, certificate)
-    assert good >= 4
+    assert good >= 4//every
 
 
 def test_blas_threads_of_the_environment_do_not_matter(executable, tmp_path):

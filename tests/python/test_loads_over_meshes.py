@@ -10,7 +10,7 @@ SIDE = "*SURFACE, NAME=SIDE\n"
 
 def pressed(word, travel=-2.0, load="40.", first=""):
     """A block pressed without friction while a pressure acts on its side, x = 5."""
-    scene = block(word, travel=travel, card="PERIOD=.2, STRAIN=10.")
+    scene = block(word, travel=travel, card="PERIOD=.25, STRAIN=10.", increments=12)
     if word == "C3D4":
         x, cells = tetrahedra()
         faces = "".join(f"{k + 1}, S{1 + [0, 1, 2, 3].index(f)}\n" for k, c in enumerate(cells)

@@ -19,7 +19,7 @@ DECKS = sorted((p for p in (ROOT/"decks").glob("*.inp")
 LONG = {"rough_punch", "lifted_beam", "sliding_ball", "ring_compression", "folded_strip",
         "crushed_ring", "closed_die", "ironing", "upset_tetra", "wire_drawing", "rotating_rings",
         "capstan", "v_bending", "cup", "square_cup", "upsetting", "cattaneo", "wrapped_strip", "cross",
-        "bending_unbending", "drawbead"}
+        "bending_unbending", "drawbead", "ball_on_ball", "beam_over_corner", "nafems_punch"}
 
 
 def flat(deck):

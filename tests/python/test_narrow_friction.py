@@ -19,7 +19,9 @@ def told(result):
     (TRESCA, True), (("*FRICTION, LAW=CRISTESCU", "0.3,"), True), (("*FRICTION", "0.3,"), False)])
 def test_a_sheet_over_radii_is_told_unless_friction_follows_the_force(solve, friction, said):
     """One node has the area of a facet of 1 mm: with quarter facets the punch needs less."""
-    assert bool(told(solve(air_bend("CPE4I", 1.0, 0.0, friction=friction)[0].deck()))) == said
+    text = air_bend("CPE4I", 1.0, 0.0, friction=friction)[0].deck().text()
+    bent = lopin.Deck.parse(text[:text.rindex("*STEP")], "bent")   # and not let go
+    assert bool(told(solve(bent))) == said
 
 
 def test_a_billet_under_a_plate_is_not_told(solve):

@@ -79,11 +79,16 @@ CASES = [("CAX4", 0.0), ("CAX8R", 0.0), ("CPS4", 2.3), ("CPS8R", 0.6), *(("C3D8I
          ("C3D8", SPACE[0]), ("C3D4", SPACE[1]), ("C3D10", SPACE[2]), ("C3D8", (0.0, 0.0, 0.0))]
 
 
-@pytest.mark.parametrize("way", ["removed", "one removed", "withdrawn", "unloaded"])
-@pytest.mark.parametrize("word, rotation", CASES)
+#: Supports of what is unloaded are along the axes; one word turns every way, in one way each.
+WAYS = [(word, rotation, way) for word, rotation in CASES
+        for way in ("removed", "one removed", "withdrawn", "unloaded")
+        if not (way == "unloaded" and np.any(rotation)) and (word, way) not in
+        (("C3D8I", "one removed"), ("C3D8I", "withdrawn")) or (rotation, way) in
+        ((SPACE[0], "one removed"), (SPACE[1], "withdrawn"))]
+
+
+@pytest.mark.parametrize("word, rotation, way", WAYS)
 def test_force_and_springback_are_the_closed_form_s(solve, word, rotation, way):
-    if way == "unloaded" and np.any(rotation):
-        pytest.skip("supports are along the axes")
     unit, stress = (1e-3, 1e6) if way == "withdrawn" else (1.0, 1.0)
     deck, q = pressed(word, way, rotation, unit, stress)
     result = solve(deck)

@@ -98,6 +98,8 @@ def test_a_fold_closes_over_new_meshes(word, right, law, period, core, tmp_path)
     late = found["time"] > 0.97
     expected = np.interp(found["time"][late], one["time"], one["PRESS.rf2"])
     assert found["PRESS.rf2"][late] == pytest.approx(expected, rel=0.08)
+    if word != "CPE4":
+        return
     # What is behind the last remesh, made again: by --resume, to the same bits.
     shutil.copytree(tmp_path/"whole", tmp_path/"again")
     for path in (tmp_path/"again").glob(f"{report.parts[-1]}*"):

@@ -139,18 +139,18 @@ def broken(fault, patch):
     ("fails", "E0621", "could not recover"), ("inverts", "E0621", "turned over"),
     ("missing", "", "gmsh"), ("loses", "E0621", "node set FLOOR"),
     ("loses half", "E0621", "FLOOR holds")])
-def test_a_mesher_that_fails_is_named_and_nothing_is_lost(fault, code, word, core, tmp_path,
-                                                          monkeypatch):
+def test_a_mesher_that_fails_is_named_and_nothing_is_lost(fault, code, word, whole, core,
+                                                          tmp_path, monkeypatch):
     """The run goes on to the same bits once the mesher is well again."""
-    whole = run(block("CAX4"), tmp_path/"whole")
+    scene, folder, _ = whole
     with monkeypatch.context() as patch:
         broken(fault, patch)
         with pytest.raises(lopin.LopinError) as caught:
-            run(block("CAX4"), tmp_path/"harmed")
+            run(scene, tmp_path/"harmed")
         assert code in str(caught.value) and word in str(caught.value)
-    report = run(block("CAX4"), tmp_path/"harmed", resume=True)
-    assert len(report.remeshes) == len(whole.remeshes)
-    found, expected = (history(tmp_path/name, "block")["DIE.rf2"] for name in ("harmed", "whole"))
+    report = run(scene, tmp_path/"harmed", resume=True)
+    assert len(report.remeshes) == 2
+    found, expected = (history(own, "block")["DIE.rf2"] for own in (tmp_path/"harmed", folder))
     assert np.array_equal(found, expected)
 
 
@@ -176,9 +176,10 @@ def test_metres_give_what_millimetres_do(word, core, tmp_path):
     if word == "C3D4":
         pytest.importorskip("mmgpy")
     size = {"CAX4": "SIZE=.9, SMALLEST=.3, PERIOD=.2",
-            "C3D4": "SIZE=1.5, SMALLEST=.6, PERIOD=.4"}[word]
+            "C3D4": "SIZE=1.5, SMALLEST=1., PERIOD=.4"}[word]
     card = f"{size}, STRAIN=10."
-    scene = block(word, card=card, travel=-1.5 if word == "CAX4" else -1.0, mu=0.1)
+    scene = block(word, card=card, travel=-1.5 if word == "CAX4" else -1.0, mu=0.1,
+                  increments=10)
     run(scene, tmp_path/"mm")
     report = run(in_metres(scene), tmp_path/"m")
     mm, m = (history(tmp_path/name, "block") for name in ("mm", "m"))

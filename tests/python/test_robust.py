@@ -43,7 +43,7 @@ def test_a_killed_run_leaves_whole_files(executable, tmp_path, name):
     deck.write_text(SCENES[name]().but(increments=900).deck(), encoding="utf-8")
     dice = random.Random(3)
     fields, killed = 0, 0
-    for trial in range(10):
+    for trial in range(6):
         folder = tmp_path/f"out{trial}"
         process = subprocess.Popen([str(executable), "run", str(deck), "-o", str(folder),
                                     "--quiet"],
@@ -53,7 +53,7 @@ def test_a_killed_run_leaves_whole_files(executable, tmp_path, name):
         killed += process.wait(timeout=60) == -signal.SIGKILL
         if folder.is_dir():
             fields += check_folder(folder)
-    assert killed >= 5 and fields > 0
+    assert killed >= 3 and fields > 0
 
 
 def test_a_folder_that_cannot_be_made_ends_with_5(executable, tmp_path):

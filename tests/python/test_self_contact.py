@@ -222,9 +222,10 @@ def test_a_wall_that_narrows_is_a_wall(solve, heights):
 
 
 def bellows(word, way, contact=True):
-    """Waves of a thin wall of rubber, crushed by `way`; each side meets itself alone."""
+    """Waves of a thin wall of rubber, each crushed by `way`; each side meets itself alone."""
     kind, shape, order = word
-    mesh = mesh_make.block((1.2, 36.0), (2, 60), origin=(15.0, 0.0))
+    waves = 3 if word == WAVES[0] else 2
+    mesh = mesh_make.block((1.2, 12.0*waves), (2, 20*waves), origin=(15.0, 0.0))
     mesh = mesh_make.simplices(mesh) if shape == "triangles" else mesh
     mesh = (mesh.quadratic() if order == 2 else mesh).mapped(
         lambda x: x + np.outer(2.5*np.sin(np.pi*x[:, 1]/6.0), (1.0, 0.0)))
@@ -234,6 +235,7 @@ def bellows(word, way, contact=True):
         model.contact(side, side)
     across, along = ("r", "z") if kind == "axisymmetric" else ("x", "y")
     model.fix("BOTTOM", across, along)
+    way = way*waves
     model.step(round(5.0*way), nlgeom=True).move("TOP", **{across: 0.0, along: -way})
     return mesh, model.to_deck()
 
@@ -246,14 +248,14 @@ WAVES = [("axisymmetric", "quads", 1), ("axisymmetric", "triangles", 1),
 def test_the_far_flank_of_a_hollow_wave_is_not_entered(solve, word):
     """Through the hollow of a wave its other flank seems to be entered by the whole breadth, and turns to
     the first as the waves close: that was pushed out, and no increment was solved."""
-    pressed, free = (solve(bellows(word, 9.0, contact)[1]) for contact in (True, False))
+    pressed, free = (solve(bellows(word, 3.0, contact)[1]) for contact in (True, False))
     assert pressed.at(-1)["U"] == pytest.approx(free.at(-1)["U"], rel=1e-9, abs=1e-9)
 
 
 @pytest.mark.parametrize("word", WAVES[:3:2], ids=lambda word: "-".join(map(str, word)))
 def test_waves_close_on_each_other(solve, word):
     """Crushed until they touch; no node lies within another element."""
-    mesh, deck = bellows(word, 20.0)
+    mesh, deck = bellows(word, 20.0/3.0)
     result = solve(deck)
     assert max(result.contact(pair).last.pressure.max() for pair in result.pairs) > 0.0
     x = mesh.points + result.at(-1)["U"][:, :2]

@@ -19,9 +19,11 @@ from lopin.remesh.state import Snapshot
 DECKS = Path(__file__).resolve().parents[2]/"decks"
 
 
-def blanking(critical="0.04", travel=0.07):
-    """The disc of decks/blanking.inp, cut by a low critical value."""
+def blanking(critical="0.04", travel=0.046, most=0.04):
+    """The disc of decks/blanking.inp, cut by a low critical value, in increments of `most`."""
     text = (DECKS/"blanking.inp").read_text()
+    assert "1.E-7, 0.02" in text
+    text = text.replace("1.E-7, 0.02", f"1.E-7, {most!r}")
     text = text.replace("CRITERION=OYANE, WIDTH=0.05",
                         f"CRITERION=OYANE, WIDTH=0.05, CRITICAL={critical}")
     text = text.replace("*STEP, NAME=CUT", "*REMESH, ELSET=SHEET, SIZE=0.5, SMALLEST=0.05, "
@@ -116,7 +118,7 @@ def test_sides_of_a_cut_that_cross_are_found():
 
 
 def test_nothing_separates_below_the_critical_value(core, tmp_path):
-    report = run(blanking("9.", 0.01), tmp_path)
+    report = run(blanking("9.", 0.01, 0.2), tmp_path)
     assert not report.remeshes and report.balance() == {}
     found = history(tmp_path, "disc")
     assert work_of_tools(found) == pytest.approx(found["energy.external"][-1], rel=1e-6)

@@ -36,7 +36,6 @@ def ripple(time, force):
 
 @pytest.mark.parametrize("name, options, most", [
     ("node to segment, die of 32 facets", {"kind": "NODE TO SURFACE", "around": 32}, (0.08, 0.01)),
-    ("node to segment, die of 48 facets", {"kind": "NODE TO SURFACE", "around": 48}, (0.08, 0.01)),
     ("mortar", {"kind": "SURFACE TO SURFACE"}, (0.02, 0.005))])
 def test_ironing_in_equal_increments(solve, sheet, name, options, most):
     """D1: the die slides over ten facets and their joints; no increment is cut."""

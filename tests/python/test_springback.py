@@ -21,7 +21,7 @@ def wiped(thickness, finer, monkeypatch):
     """Spread of the springback of a flange on a mesh so many times finer; what is said of it."""
     monkeypatch.setattr(forming_scenes, "strip", lambda word, t, cells, length, start=0.0: strip(
         word, t, (finer*cells[0], cells[1]), length, start))
-    scene, body, _ = flanged("CPE8R", thickness, 0.0, (0.01, 0.01), "lagrange")
+    scene, body, _ = flanged("CPE8R", thickness, 0.0, (0.02, 0.02), "lagrange")
     result = run(scene.deck())
     end = int(np.searchsorted(result.times, 1.0))
     moved = (np.asarray(result["displacement"]) - np.asarray(result.at(end)["displacement"]))[:body]
@@ -33,8 +33,8 @@ def wiped(thickness, finer, monkeypatch):
 @pytest.mark.parametrize("thickness, codes", [(0.25, ["W0522", "W0522"]),
                                               (2.0, ["W0522", "W0522"])])
 def test_a_strip_that_bends_point_by_point_is_told_with_a_figure(thickness, codes, monkeypatch):
-    """Facets of four thicknesses to a quarter of one, in increments that no longer matter."""
-    found = [wiped(thickness, finer, monkeypatch) for finer in (1, 2, 4)]
+    """Facets of four thicknesses to a sixth of one, in increments that no longer matter."""
+    found = [wiped(thickness, finer, monkeypatch) for finer in (1, 2, 3)]
     right = found[-1][0]
     for (springback, code, bound), expected in zip(found[:2], codes):
         assert code == expected
@@ -46,11 +46,11 @@ def test_a_release_that_friction_drags_on_is_one_too(monkeypatch):
     assert "W0522" in released(flanged, 0.25, (0.01, 0.01), 0.1)[1]
 
 
-@pytest.mark.parametrize("thickness, mu", [(0.25, 0.0), (0.5, 0.0), (0.5, 0.1)])
+@pytest.mark.parametrize("thickness, mu", [(0.25, 0.0), (0.5, 0.1)])
 def test_energy_that_no_work_gave_is_told_beside_what_comes_free(thickness, mu, monkeypatch):
     """A flange over a radius of five facets: its force rises and falls as each of them leaves."""
     monkeypatch.setattr(metal, "MOST", 2000)
-    right, said = released(flanged, thickness, (0.0025, 0.0025), mu)
+    right, said = released(flanged, thickness, (0.005, 0.005), mu)
     assert "W0519" not in said
     coarse, said = released(flanged, thickness, (), mu)
     off = np.linalg.norm(coarse - right)/np.linalg.norm(right)
@@ -61,7 +61,7 @@ def test_a_twentieth_of_what_comes_free_is_told_one_way_or_the_other(monkeypatch
     """Two paths, 46 or 47 increments by the last bits, lose 4 or 5.7 % of the energy; both are off
     by 5 % and told, by what fell and rose again if not by what is lost."""
     monkeypatch.setattr(metal, "MOST", 2000)
-    right, _ = released(flanged, 0.25, (0.0025, 0.0025), 0.1)
+    right, _ = released(flanged, 0.25, (0.005, 0.005), 0.1)
     coarse, said = released(flanged, 0.25, (), 0.1)
     assert 0.01 < np.linalg.norm(coarse - right)/np.linalg.norm(right) < 0.1
     assert {"W0518", "W0522"} <= set(said)

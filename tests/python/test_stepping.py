@@ -13,7 +13,7 @@ from test_checkpoint import SCENES, billet, wall_that_stays
 #: Increments after which the state is taken out. Cup, rings, friction loop, punch; heat, mortar that
 #: slides; and scenes of test_checkpoint.py.
 DECKS = {"upsetting": 4, "cattaneo": 3, "ring_compression": 3, "rotating_rings": 2, "rough_punch": 2,
-         "cup": 3, "hot_upsetting": 3, "ironing": 5, "self-contact": 30, "tied by mortar": 3,
+         "cup": 3, "hot_upsetting": 3, "ironing": 5, "self-contact": 15, "tied by mortar": 3,
          "following pressure": 12, "rows that come late": 5, "newton": 4, "changed to finite": 8,
          "axes and backstress": 4, "finite augmented": 3}
 
@@ -112,8 +112,8 @@ def test_a_state_goes_on_in_a_new_model_to_the_same_bits(name, root, core, tmp_p
 
 
 #: Cup and ring on the present shape, friction loops on both paths, turning rings, exact springs.
-FORGETTING = {"cup": 3, "ring_compression": 4, "crushed_ring": 4, "cattaneo": 12, "rotating_rings": 3,
-              "two_springs": 4}
+FORGETTING = {"cup": 3, "ring_compression": 4, "crushed_ring": 4, "cattaneo": 6,
+              "rotating_rings": 3, "two_springs": 4}
 
 
 def forgetting(deck, increments, forget=True):

@@ -95,8 +95,9 @@ def lame(r, a=1.0, b=3.0):
     return (1.0 + NU)/YOUNG*PRESSURE*a*a/(b*b - a*a)*((1.0 - 2.0*NU)*r + b*b/r)
 
 
-@pytest.mark.parametrize("path", PATHS)
-@pytest.mark.parametrize("words", WORDS, ids="/".join)
+@pytest.mark.parametrize("words, path", [
+    (words, path) for words in WORDS for path in PATHS
+    if path == "condensed" or words not in (("C3D20", "C3D8"), ("C3D10", "C3D10"))])
 def test_rings_tied_on_a_curve_are_one_ring(solve, sheet, words, path):
     """Every ratio in axes of the planes, turned; each method once."""
     space = words[0].startswith("C3D")

@@ -16,7 +16,7 @@ from lopin.vtu import read_vtu  # noqa: E402
 def test_tracers_of_a_block_pressed_evenly_go_where_the_block_goes(word, core, tmp_path, capsys):
     if word == "C3D4":
         pytest.importorskip("mmgpy")
-    report = run(block(word, law=NORTON), tmp_path)
+    report = run(block(word, law=NORTON, card="PERIOD=.4, STRAIN=10.", increments=10), tmp_path)
     assert len(report.remeshes) >= 2
     first, last = (read_vtu(outputs(tmp_path, "block")[k][1]) for k in (0, -1))
     d = 3 if word == "C3D4" else 2

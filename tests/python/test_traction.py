@@ -25,13 +25,15 @@ def line(result):
     return max([summary["certificate"]["traction"], *(p["traction"] for p in summary["contact"])])
 
 
-@pytest.mark.parametrize("nlgeom", [False, True])
-@pytest.mark.parametrize("master", MASTERS)
-@pytest.mark.parametrize("word", WORDS)
+#: By NLGEOM, which takes the longest, each word on every second kind of master.
+FACES = [(word, master, nlgeom) for k, word in enumerate(WORDS) for m, master in enumerate(MASTERS)
+         for nlgeom in (False, True)
+         if not nlgeom or (k + m) % 2 == 0 and not (word in SLOW and master != "tool")]
+
+
+@pytest.mark.parametrize("word, master, nlgeom", FACES)
 def test_every_face_passes_on_every_kind_of_master(solve, word, master, nlgeom):
     """Pressed and dragged; what is uneven at the nodes (W0333) carries its force all the same."""
-    if nlgeom and word in SLOW and master != "tool":
-        pytest.skip("seconds a solve")
     other, to_surface = MASTERS[master]
     scene = Scene(word, {"own": word, "other": WORDS[word]}.get(other, ""), (3, 4), to_surface,
                   nlgeom, margin=0.2 if other else 0.0)

@@ -20,15 +20,27 @@ def cycle(static="1., 1.", words="", direct=False, total=False, mu=0.3, span=0.2
                  else amplitude(SAW))
 
 
+@pytest.fixture(scope="module")
+def fine(executable, tmp_path_factory):
+    """Shear, pressure and work of friction in fine increments, by the words of the steps."""
+    found = {}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("LOPIN_EXECUTABLE", str(executable))
+        for words in ("", ", NLGEOM"):
+            history = lopin.run(cycle("0.0025, 1.", words, direct=True),
+                                tmp_path_factory.mktemp("fine"), executable=True).history
+            found[words] = [history[name][-1] for name in ("TOOL.rf1", "TOOL.rf2",
+                                                           "energy.friction")]
+    return found
+
+
 @pytest.mark.parametrize("words", ["", ", NLGEOM"], ids=["linear", "finite"])
 @pytest.mark.parametrize("form", ["one", "default", "direct", "total time"])
-def test_friction_after_the_last_turn(solve, words, form):
+def test_friction_after_the_last_turn(solve, fine, words, form):
     """The tool goes farther than the block is sheared after the last turn: T = mu N backwards,
     and the work of friction is that of fine increments."""
-    fine = solve(cycle("0.0025, 1.", words, direct=True))
-    force = fine.history["TOOL.rf1"][-1]
-    work = fine.history["energy.friction"][-1]
-    assert force == pytest.approx(-0.3*abs(fine.history["TOOL.rf2"][-1]), rel=1e-9)
+    force, pressure, work = fine[words]
+    assert force == pytest.approx(-0.3*abs(pressure), rel=1e-9)
     run = solve(cycle({"default": "0.05, 1.", "direct": "0.4, 1."}.get(form, "1., 1."), words,
                       form == "direct", form == "total time"))
     assert run.history["TOOL.rf1"][-1] == pytest.approx(force, rel=1e-6)

@@ -76,8 +76,9 @@ def pressures(solve, deck, folder):
     return np.asarray(solve(deck, folder).contact(0).last.pressure)
 
 
-@pytest.mark.parametrize("ratio", [0.01, 1.0])
-@pytest.mark.parametrize("kind, slave, master", CASES)
+@pytest.mark.parametrize("kind, slave, master, ratio", [
+    (*case, ratio) for k, case in enumerate(CASES) for ratio in (0.01, 1.0)
+    if k % 3 == 0 or (ratio == 1.0) == (k % 3 == 1)])
 def test_the_warning_names_the_deviation_within_a_third(solve, tmp_path, kind, slave, master,
                                                         ratio):
     deck = pressed(kind, slave, master, ratio)

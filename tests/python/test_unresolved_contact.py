@@ -97,7 +97,7 @@ def told(result, code):
 def test_a_ball_on_few_facets_is_told(solve, word):
     """On one to four facets the force is up to several times too large: that is said, or the run is
     refused, wherever it is more than a tenth; where the mesh is fine nothing is said."""
-    fine = (16 if word[2] == 1 else 13) if word[0] == "3d" else 48
+    fine = (12 if word[2] == 1 else 11) if word[0] == "3d" else 32
     result = solve(pressed_by_a_ball(word, fine, 0.05))
     right = force(result)
     assert not told(result, "W0563")
@@ -125,7 +125,7 @@ def test_metal_under_a_ball_is_told(solve):
     law = Material(Elastic(2e5, 0.3), Plastic([(300.0, 0.0), (800.0, 1.0)]))
     word = ("axisymmetric", "quads", 1)
     assert told(solve(pressed_by_a_ball(word, 4, 0.02, law=law, nlgeom=True)), "W0563") > 0.2
-    assert not told(solve(pressed_by_a_ball(word, 32, 0.2, law=law, nlgeom=True)), "W0563")
+    assert not told(solve(pressed_by_a_ball(word, 24, 0.2, law=law, nlgeom=True)), "W0563")
 
 
 @pytest.mark.parametrize("kind", ["plane strain", "axisymmetric", "3d"])
@@ -188,16 +188,17 @@ def test_a_law_that_gives_way_lets_nodes_in(solve, kind, law):
 @pytest.mark.parametrize("nlgeom", [False, True])
 @pytest.mark.parametrize("kind", ["plane strain", "axisymmetric", "3d"])
 def test_masters_curved_within_slave_facets_are_told(solve, kind, nlgeom):
-    """Surface to surface on slave facets of 4 to 0.5 mm, contact 1.4 mm wide: told where the force
-    is more than an eighth off; nothing where the slave is fine."""
-    master = 12 if kind == "3d" else 24
+    """Surface to surface on slave facets of 4 to 0.5 mm (in space to 1), contact 1.4 mm wide: told
+    where the force is more than an eighth off; nothing where the slave is fine."""
+    master = 12 if kind == "3d" else 16
 
     def pressed(slave):
         result = solve(two_blocks(kind, slave, master, True, crown=0.2, nlgeom=nlgeom))
         return force(result), told(result, "W0349")
     right, said = pressed(2*master if kind != "3d" else master)
     assert not said
-    figures = [(abs(found/right - 1.0), said) for found, said in map(pressed, (1, 2, 4, 8))]
+    slaves = (1, 2, 4) if kind == "3d" else (1, 2, 4, 8)
+    figures = [(abs(found/right - 1.0), said) for found, said in map(pressed, slaves)]
     assert max(figures)[0] > 0.1
     for error, said in figures:
         assert said > min(0.5, 0.3*error) if error > 0.125 else said < 0.4, figures

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from mesh_patches import RATIOS, errors, patch_deck
 from tool_patches import is_solid
-from test_verification_tools import WORDS
+from test_verification_tools import BOTH, WORDS
 
 CASE = "B7 patch test between meshes, surface to surface: "
 PLANE = [w for w in WORDS if not (is_solid(w) or w.startswith("CAX"))]
@@ -39,8 +39,7 @@ def test_all_ratios(run, sheet, word, path, ratio):
     compare(run, sheet, word, path, ratio)
 
 
-@pytest.mark.parametrize("path", ["", "FINITE"])
-@pytest.mark.parametrize("word", [w for w in PLANE if w not in CHOSEN])
+@pytest.mark.parametrize("word, path", [b for b in BOTH if b[0] in PLANE and b[0] not in CHOSEN])
 def test_every_plane_word(run, sheet, word, path):
     compare(run, sheet, word, path, "4:7")
 

@@ -120,14 +120,17 @@ CASES = {"singular": "A13 Signorini, singular end of contact", "smooth": "A14 Si
 #: Rates of displacements in L2, of stresses, at least of the pressure; linear and quadratic.
 RATES = {("singular", False): (2.0, 1.0, 1.0), ("singular", True): (2.25, 1.5, 1.0),
          ("smooth", False): (2.0, 1.0, 1.0), ("smooth", True): (3.0, 2.0, 2.0)}
-SIZES = {False: (8, 16, 32, 64), True: (4, 8, 16, 32)}
+SIZES = {False: (8, 16, 32), True: (4, 8, 16)}
+#: Where the rates of the coarsest are not yet those of theory.
+FINER = (8, 16, 32, 64)
 
 
 @pytest.mark.parametrize("which", FIELDS)
 @pytest.mark.parametrize("family", FAMILIES)
 def test_rates_of_the_exact_method(solve, sheet, family, which):
     quadratic = FAMILIES[family][0]
-    found, last = study(solve, family, FIELDS[which], SIZES[quadratic], lambda n: Lagrange())
+    found, last = study(solve, family, FIELDS[which],
+                        FINER if family == "CPE3" else SIZES[quadratic], lambda n: Lagrange())
     case = CASES[which]
     u, stress, pressure = RATES[which, quadratic]
     theory = "theory of finite elements"
@@ -146,8 +149,8 @@ def test_rates_of_the_exact_method(solve, sheet, family, which):
 def test_penalty_must_grow_as_the_mesh_is_refined(solve, sheet, which):
     """A slope proportional to 1/h keeps the rates of linear elements; a fixed one stalls."""
     exact = FIELDS[which]
-    found, _ = study(solve, "CPE4", exact, SIZES[False], lambda n: Penalty(10.0*YOUNG*n))
-    fixed, _ = study(solve, "CPE4", exact, SIZES[False], lambda n: Penalty(10.0*YOUNG*8))
+    found, _ = study(solve, "CPE4", exact, FINER, lambda n: Penalty(10.0*YOUNG*n))
+    fixed, _ = study(solve, "CPE4", exact, FINER, lambda n: Penalty(10.0*YOUNG*8))
     case, theory = CASES[which], "theory of the penalty method"
     sheet.compare(case, "CPE4, penalty 10 E/h: rate of stresses (H1)", found[1], 1.0, 0.15, theory,
                   absolute=True)

@@ -124,9 +124,9 @@ def pressed_and_drawn(degrees, behaviour, words, friction):
 @pytest.mark.parametrize("words", ["", MORTAR, ", SMOOTH=YES"])
 @pytest.mark.parametrize("behaviour", BEHAVIOURS)
 def test_turning_the_scene_changes_nothing(solve, sheet, behaviour, words):
-    """D7: Hertz with friction under finite sliding, turned by 37 and by 123 degrees."""
+    """D7: Hertz with friction under finite sliding, turned by 123 degrees."""
     found = []
-    for degrees in (0.0, 37.0, 123.0):
+    for degrees in (0.0, 123.0):
         history = solve(pressed_and_drawn(degrees, behaviour, words, 0.3)).history
         head = "UP.BOTTOM-LOW.TOP."
         force = np.hypot(history[head + "force1"], history[head + "force2"])
@@ -135,7 +135,7 @@ def test_turning_the_scene_changes_nothing(solve, sheet, behaviour, words):
     name = (f"{behaviour.split(', ')[1].split(chr(10))[0].lower()}, "
             f"{'mortar' if 'SURFACE' in words else 'smoothed' if words else 'node to segment'}")
     size = np.abs(found[0]).max(axis=1)[:, None]
-    for degrees, other in zip((37, 123), found[1:]):
+    for degrees, other in zip((123,), found[1:]):
         sheet.compare("D7 objectivity",
                       f"{name}, {degrees} degrees: force, pressure, energies, area, worst",
                       np.abs((other - found[0])/size).max(), 0.0, 1e-10, "not turned",

@@ -54,7 +54,7 @@ class PenaltyMap:
         """The values of x and y."""
         if small:
             x = [1.0] if panel.startswith("lagrange") else [1e-2, 1e2, 1e8, 1e12]
-            return np.array(x), np.array([1e-3, 1.0, 1e6])
+            return np.array(x), np.array([1e-3, 1e6])
         dear = panel == "augmented, finite"
         x = [1.0] if panel.startswith("lagrange") else 10.0**np.arange(-2, 13, 2 if dear else 1)
         return np.asarray(x), 10.0**np.arange(-3, 7, 3 if dear else 1)

@@ -61,7 +61,9 @@ def ring_bore(shear_factor: float, reduction: float, outer: float = 3.0, inner: 
         """Speed of the bore along -ln(height/first height)."""
         tall = height*exp(-strain)
         far = volume/tall + bore*bore
-        neutral = minimize_scalar(_ring_power, args=(shear_factor, bore, sqrt(far), tall, place,
+        edge = sqrt(far)
+        square = (0.5*(bore + edge) + 0.5*(edge - bore)*place)**2
+        neutral = minimize_scalar(_ring_power, args=(shear_factor, bore, edge, tall, square,
                                                      weight), bounds=(-0.5*far, 0.999*far),
                                   method="bounded", options={"xatol": 1e-10*far}).x
         return 0.5*(bore - neutral/bore)
@@ -76,18 +78,15 @@ def ring_bore(shear_factor: float, reduction: float, outer: float = 3.0, inner: 
 
 
 def _ring_power(neutral: float, m: float, inner: float, outer: float, height: float,
-                place: NDArray, weight: NDArray) -> float:
-    """Power of a ring at unit speed and unit yield stress; `neutral` = signed square of radius."""
-    def integral(a, b, value):
-        r = 0.5*(a + b) + 0.5*(b - a)*place
-        return 0.5*(b - a)*float(weight @ value(r))
-
-    flow = integral(inner, outer, lambda r: 2.0*pi*r*np.sqrt(1.0 + (neutral/r**2)**2/3.0))
+                square: NDArray, weight: NDArray) -> float:
+    """Power of a ring at unit speed and unit yield stress; `neutral` = signed square of radius,
+    `square`: those of Gauss' points of the wall, `weight` on [-1, 1]."""
+    # Of 2 pi r sqrt(1 + (neutral/r^2)^2/3).
+    flow = pi*(outer - inner)*float(weight @ np.sqrt(square + neutral*neutral/3.0/square))
     ends = [inner, outer]
     if inner*inner < neutral < outer*outer:
         ends.insert(1, sqrt(neutral))
-    slip = sum(integral(a, b, lambda r: pi*np.abs(r*r - neutral)/height)
-               for a, b in zip(ends, ends[1:]))
+    slip = pi/height*sum(abs((b**3 - a**3)/3.0 - neutral*(b - a)) for a, b in zip(ends, ends[1:]))
     return flow + 2.0*m/sqrt(3.0)*slip
 
 
