@@ -46,7 +46,7 @@ contains
       integer(kind=1), intent(in) :: state(:)   !! from `get_state` of the same deck; empty: none
       integer, intent(out) :: handle, code
       !f2py threadsafe
-      type(session_type), allocatable :: session
+      type(session_type), pointer :: session
       type(stream_type) :: stream
 
       allocate (session)
@@ -137,7 +137,7 @@ contains
       character(len=*), intent(in) :: text, name, folder, output, options
       logical, intent(in) :: begin
       integer, intent(out) :: handle, code
-      type(session_type), allocatable :: session
+      type(session_type), pointer :: session
 
       allocate (session)
       call new_session(session, deck_text_type(text, name, folder), output, options, begin)

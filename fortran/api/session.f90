@@ -51,7 +51,7 @@ module lopin_session
    end type session_type
 
    type :: slot_type
-      type(session_type), allocatable :: session
+      type(session_type), pointer :: session => null()   !! nobody else's
    end type slot_type
 
    type(slot_type), allocatable :: pool(:)
@@ -276,38 +276,40 @@ contains
 
    !> Put a session into the pool; its number is never 0.
    subroutine keep_session(session, handle)
-      type(session_type), allocatable, intent(inout) :: session
+      type(session_type), pointer, intent(in) :: session
       integer, intent(out) :: handle
 
       !$omp critical (lopin_pool)
       if (.not. allocated(pool)) allocate (pool(8))
       do handle = 1, size(pool)
-         if (.not. allocated(pool(handle)%session)) exit
+         if (.not. associated(pool(handle)%session)) exit
       end do
       if (handle > size(pool)) call grow_pool()
-      call move_alloc(session, pool(handle)%session)
+      pool(handle)%session => session
       !$omp end critical (lopin_pool)
    end subroutine keep_session
 
    subroutine grow_pool()
       type(slot_type), allocatable :: larger(:)
-      integer :: i
 
       allocate (larger(2*size(pool)))
-      do i = 1, size(pool)
-         call move_alloc(pool(i)%session, larger(i)%session)
-      end do
+      larger(:size(pool)) = pool
       call move_alloc(larger, pool)
    end subroutine grow_pool
 
    !> Free what a session holds; nothing happens for a number that is not in use.
    subroutine forget_session(handle)
       integer, intent(in) :: handle
-      type(session_type), allocatable :: session
+      type(session_type), pointer :: session
 
+      session => null()
       !$omp critical (lopin_pool)
-      if (in_use(handle)) call move_alloc(pool(handle)%session, session)
+      if (in_use(handle)) then
+         session => pool(handle)%session
+         pool(handle)%session => null()
+      end if
       !$omp end critical (lopin_pool)
+      if (associated(session)) deallocate (session)
    end subroutine forget_session
 
    pure logical function in_use(handle)
@@ -315,7 +317,7 @@ contains
 
       in_use = .false.
       if (.not. allocated(pool)) return
-      if (handle >= 1 .and. handle <= size(pool)) in_use = allocated(pool(handle)%session)
+      if (handle >= 1 .and. handle <= size(pool)) in_use = associated(pool(handle)%session)
    end function in_use
 
    !> diagnostics, summary (JSON), names (lines) of a session; keywords (JSON) of the deck language.
