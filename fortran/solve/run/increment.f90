@@ -3,6 +3,7 @@
 !> What fails before it is accepted leaves the accepted state untouched; `reject` drops the trial.
 module lopin_increment
    use lopin_kinds, only : wp
+   use lopin_state, only : begin, accept, reject_state => reject
    use lopin_error, only : error_type, error_code, raise, log_type
    use lopin_text, only : to_text
    use lopin_clock, only : phase
@@ -26,7 +27,6 @@ module lopin_increment
    use lopin_initial_contact, only : apply_overclosures
    use lopin_torn_ties, only : refuse_torn_ties
    use lopin_certificate, only : forces_type, find_forces, certify
-   use lopin_state, only : begin, accept, reject_state => reject
    use lopin_newton_workspace, only : iteration_header
    use lopin_held_points, only : refuse_held_points, tell_idle_points
    use lopin_recover_nonlinear, only : remember
