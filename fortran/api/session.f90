@@ -300,16 +300,10 @@ contains
    !> Free what a session holds; nothing happens for a number that is not in use.
    subroutine forget_session(handle)
       integer, intent(in) :: handle
-      type(session_type), pointer :: session
 
-      session => null()
       !$omp critical (lopin_pool)
-      if (in_use(handle)) then
-         session => pool(handle)%session
-         pool(handle)%session => null()
-      end if
+      if (in_use(handle)) deallocate (pool(handle)%session)
       !$omp end critical (lopin_pool)
-      if (associated(session)) deallocate (session)
    end subroutine forget_session
 
    pure logical function in_use(handle)

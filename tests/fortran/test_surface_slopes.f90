@@ -33,6 +33,8 @@ program test_surface_slopes
          if (element%kind == element_kind%rigid) cycle
          do l = 1, size(laws)
             if (laws(l) == 'rigid' .and. element%kind == element_kind%plane_stress) cycle
+            ! FULL is of the integration, not of the law.
+            if (wishes(j) == 'FULL' .and. mod(l, 2) == 0) cycle
             call slopes_are_those_of_differences(.true.)
             if (laws(l) /= 'rubber') call slopes_are_those_of_differences(.false.)
          end do
