@@ -28,9 +28,9 @@ module lopin_command_line
    character(len=*), parameter :: own_words(8) = [character(len=8) :: 'run', 'check', 'info', &
       & 'explain', 'doc', &
       & 'selftest', 'help', 'version']
-   character(len=*), parameter :: python_words(10) = [character(len=8) :: 'report', 'plot', &
+   character(len=*), parameter :: python_words(12) = [character(len=8) :: 'report', 'plot', &
       & 'chart', 'atlas', 'convert', 'export', 'example', 'die', &
-      & 'identify', 'wear']
+      & 'identify', 'wear', 'flc', 'tracers']
    character(len=*), parameter :: option_words(17) = [character(len=15) :: '--output', &
       & '--threads', '--solver', &
       & '--resume', '--overwrite', '--deterministic', '--json', '--quiet', '--verbose', &

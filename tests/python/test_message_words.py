@@ -196,3 +196,12 @@ def test_a_body_that_friction_cannot_hold_slides(told, n, mu, held):
     assert ("certificate: PASS" in said) == held, said
     assert ("contact and friction do not hold it" in said) != held, said
     assert held or "help: more friction" in said
+
+
+def test_the_executable_knows_the_commands_of_the_package(executable):
+    from lopin.__main__ import PYTHON_COMMANDS
+
+    said = subprocess.run([executable, "nonsense"], capture_output=True, text=True, check=False)
+    assert said.returncode == 2
+    listed = said.stderr.split("commands:")[1].split(";")[0].replace(",", " ").split()
+    assert set(PYTHON_COMMANDS) <= set(listed)
