@@ -10,23 +10,16 @@ module lopin_settle_layers
    use lopin_error, only : severity
    use lopin_text, only : to_text
    use lopin_element_type, only : element_type, element_formulation, element_kind, new_element_type
-   use lopin_cells, only : cell_type
-   use lopin_facets, only : facets_type, boundary_facets
-   use lopin_face_numbers, only : find_neighbours
    use lopin_quadrature, only : points_in_half
    use lopin_flow_curve, only : flows
-   use lopin_model, only : model_type, kind_of
+   use lopin_model, only : model_type
+   use lopin_sheet_layers, only : find_beyond, layers_of, go_on, is_product, face_of
    implicit none
    private
    public :: settle_layers
 
-   !> Opposite faces along each parametric direction of quads and of hexahedra.
-   integer, parameter :: of_quad(2, 2) = reshape([4, 2, 1, 3], [2, 2])
-   integer, parameter :: of_hexahedron(2, 3) = reshape([6, 4, 3, 5, 1, 2], [2, 3])
-   !> Digits of a word; elements that are looked at along a sheet.
-   integer, parameter :: most_layers = 9, most_steps = 1000
-   !> Length of a sheet of several layers by its thickness, at least.
-   real(wp), parameter :: long = 5.0_wp
+   !> Digits of a word.
+   integer, parameter :: most_layers = 9
 
 contains
 
@@ -45,8 +38,7 @@ contains
       end do
       named = points_named(model)
       if (.not. any_can_bend(model, element, named)) return
-      call find_neighbours(model%mesh, element%cell, beyond)
-      if (model%kind == kind_of%axisymmetric) call close_axis(model, element%cell, beyond)
+      call find_beyond(model, element%cell, beyond)
       layers = 0
       do e = 1, model%mesh%nelement
          if (can_bend(model, element, e, named)) layers(:, e) = layers_of(model, element%cell, e, &
@@ -73,23 +65,6 @@ contains
          end do
       end do
    end subroutine settle_layers
-
-   !> Edges on the axis have the other half of the body beyond them.
-   subroutine close_axis(model, cells, beyond)
-      type(model_type), intent(in) :: model
-      type(cell_type), intent(in) :: cells(:)
-      integer, intent(inout) :: beyond(:, :)
-      type(facets_type) :: skin
-      logical, allocatable :: shared(:)
-      integer :: i
-
-      where (beyond == 0) beyond = -1
-      call boundary_facets(skin, model%mesh, cells, [(i, i=1, model%mesh%nelement)], .true., &
-         & shared)
-      do i = 1, skin%n
-         beyond(skin%face(i), skin%element(i)) = 0
-      end do
-   end subroutine close_axis
 
    !> The word of an element with so many layers along each direction.
    pure function layer_word(word, layers) result(text)
@@ -156,39 +131,6 @@ contains
       end associate
    end function can_bend
 
-   !> Layers of a sheet along each parametric direction; 0: no sheet. One element between free faces
-   !> is one layer, but for the longest way of an element that stands alone. Several are layers if
-   !> the body is long beside them.
-   pure function layers_of(model, cells, e, beyond) result(layers)
-      type(model_type), intent(in) :: model
-      type(cell_type), intent(in) :: cells(:)
-      integer, intent(in) :: e, beyond(:, :)
-      integer :: layers(3), d, ndim
-      real(wp) :: thick(3)
-      logical :: bar
-
-      ndim = model%mesh%ndim
-      layers = 0
-      thick = huge(1.0_wp)
-      do d = 1, ndim
-         call count_layers(model, cells, e, d, beyond, layers(d), thick(d))
-      end do
-      if (all(layers(:ndim) == 1)) layers(maxloc(thick(:ndim), dim=1)) = 0
-      do d = 1, ndim
-         if (layers(d) < 2) cycle
-         if (is_long(model, cells, e, d, beyond, long*thick(d))) then
-            where (layers == 1 .and. thick > long*thick(d)) layers = 0
-         else
-            layers(d) = 0
-         end if
-      end do
-      if (count(layers > 1) < 2) return
-      ! What has few layers in two directions is a sheet if it is wide, else a bar.
-      d = minloc(thick, dim=1, mask=layers > 1)
-      bar = count(layers > 1 .and. thick <= long*thick(d)) > 1
-      where (layers > 1 .and. (bar .or. thick > long*thick(d))) layers = 0
-   end function layers_of
-
    !> Elements above and below lie in the same sheet, though their own rows may be shorter.
    subroutine share_with_stack(model, element, e, named, beyond, layers)
       type(model_type), intent(in) :: model
@@ -211,116 +153,6 @@ contains
          end do
       end do
    end subroutine share_with_stack
-
-   !> Elements between the free faces of both ends of a direction; 0: too many to be a sheet.
-   pure subroutine count_layers(model, cells, e, d, beyond, layers, thick)
-      type(model_type), intent(in) :: model
-      type(cell_type), intent(in) :: cells(:)
-      integer, intent(in) :: e, d, beyond(:, :)
-      integer, intent(out) :: layers
-      real(wp), intent(out) :: thick           !! [length]
-      integer :: side, at, out, next
-
-      layers = 1
-      thick = length_along(model, cells, e, d)
-      do side = 1, 2
-         at = e
-         out = face_of(model%mesh%ndim, d, side)
-         do
-            if (beyond(out, at) == 0) exit
-            call go_on(cells, model%mesh%etype, beyond, at, out, next)
-            layers = layers + 1
-            if (next == 0 .or. points_in_half(model%mesh%ndim, layers) == 0) then
-               layers = 0
-               return
-            end if
-            thick = thick + length_along(model, cells, at, (next + 1)/2)
-         end do
-      end do
-   end subroutine count_layers
-
-   !> The body goes on for a length square to a direction.
-   pure logical function is_long(model, cells, e, d, beyond, length)
-      type(model_type), intent(in) :: model
-      type(cell_type), intent(in) :: cells(:)
-      integer, intent(in) :: e, d, beyond(:, :)
-      real(wp), intent(in) :: length
-      integer :: other, side, at, out, next, i
-      real(wp) :: far
-
-      is_long = .true.
-      do other = 1, model%mesh%ndim
-         if (other == d) cycle
-         far = length_along(model, cells, e, other)
-         sides: do side = 1, 2
-            at = e
-            out = face_of(model%mesh%ndim, other, side)
-            do i = 1, most_steps
-               if (far > length) return
-               if (beyond(out, at) <= 0) exit
-               call go_on(cells, model%mesh%etype, beyond, at, out, next)
-               if (next == 0) exit
-               if (at == e) exit sides          ! once round a ring
-               far = far + length_along(model, cells, at, (next + 1)/2)
-            end do
-         end do sides
-         if (far > length) return
-      end do
-      is_long = .false.
-   end function is_long
-
-   !> Through a face into the element beyond it, and to its opposite face: `next` is the place of
-   !> that in the table, 0 where there is no quad or brick.
-   pure subroutine go_on(cells, etype, beyond, at, out, next)
-      type(cell_type), intent(in) :: cells(:)
-      integer, intent(in) :: etype(:), beyond(:, :)
-      integer, intent(inout) :: at, out        !! element, face by which it is left
-      integer, intent(out) :: next
-      integer :: from, ndim, k
-
-      next = 0
-      from = at
-      if (beyond(out, from) <= 0) return
-      at = beyond(out, from)
-      if (.not. is_product(cells(etype(at)))) return
-      ndim = cells(etype(at))%ndim
-      do k = 1, 2*ndim
-         if (beyond(face_of(ndim, (k + 1)/2, 1 + mod(k + 1, 2)), at) /= from) cycle
-         next = k + merge(1, -1, mod(k, 2) == 1)
-         out = face_of(ndim, (next + 1)/2, 1 + mod(next + 1, 2))
-         return
-      end do
-   end subroutine go_on
-
-   pure logical function is_product(cell)
-      type(cell_type), intent(in) :: cell
-
-      is_product = any(cell%name == [character(len=12) :: 'quad', 'quad8', 'hexahedron', &
-         & 'hexahedron20'])
-   end function is_product
-
-   pure integer function face_of(ndim, direction, side)
-      integer, intent(in) :: ndim, direction, side
-
-      face_of = merge(of_quad(side, min(direction, 2)), of_hexahedron(side, direction), ndim == 2)
-   end function face_of
-
-   !> Between the middles of opposite faces, of their corners [length].
-   pure real(wp) function length_along(model, cells, e, direction) result(length)
-      type(model_type), intent(in) :: model
-      type(cell_type), intent(in) :: cells(:)
-      integer, intent(in) :: e, direction
-      real(wp) :: way(model%mesh%ndim)
-      integer :: m, n
-
-      n = model%mesh%ndim
-      m = 2*(n - 1)
-      associate (cell => cells(model%mesh%etype(e)), conn => model%mesh%conn(:, e))
-         way = sum(model%mesh%x(:, conn(cell%face_node(:m, face_of(n, direction, 2)))), dim=2) &
-            & - sum(model%mesh%x(:, conn(cell%face_node(:m, face_of(n, direction, 1)))), dim=2)
-      end associate
-      length = norm2(way)/real(m, wp)
-   end function length_along
 
    !> Make the element one of a word that is appended if it is new.
    subroutine give_word(model, e, word)

@@ -163,5 +163,12 @@ contains
          & 'As N0565, but more than a tenth.', &
          & 'words with I (CPE4I, C3D8I) or second order where bodies bend; a finer mesh '// &
          & 'elsewhere.')
+      call add_explanation(list, 'W0566', 'metal that bends in one layer', &
+         & 'Quads and bricks of first order without I have two points across a layer. With one '// &
+         & 'mean dilatation (CPE4, CAX4, C3D8) they carry two thirds of the plastic moment of a '// &
+         & 'strip; without it (CPS4, FULL) 15 % more than it, and more yet where their straight '// &
+         & 'edges keep the metal from bending in one place.', &
+         & 'words with I (CPE4I, CPS4I, CAX4I, C3D8I), whose points follow the number of '// &
+         & 'layers; or three layers and more.')
    end subroutine coarse_contact
 end module lopin_explain_facets

@@ -145,6 +145,9 @@ module lopin_state
       real(wp) :: parts_until = 0.0_wp         !! up to which it goes by parts [time]
       real(wp) :: part = 0.0_wp                !! of an increment in which contact began [time]
       type(refused_type) :: refused            !! the longest now tried over its time
+      real(wp) :: worked = 0.0_wp              !! plastic work of the run when the last one ended
+      real(wp) :: power = 0.0_wp               !! plastic, of the last one [energy/time]
+      real(wp) :: missed = 0.0_wp              !! plastic work that it may have missed [energy]
    contains
       procedure :: pass => pass_clock
    end type clock_state_type
@@ -213,6 +216,8 @@ contains
       self%clock%usual = 0.0_wp
       self%clock%vain_motions = 0
       self%clock%vain = 0.0_wp
+      self%clock%worked = self%solids%work
+      self%clock%missed = 0.0_wp
       if (allocated(self%contact%eased)) deallocate (self%contact%eased, self%contact%steepest)
       self%solids%finite_strain = finite_strain
    end subroutine begin_step_of
@@ -378,5 +383,8 @@ contains
       call stream%pass(self%refused%share)
       call stream%pass(self%refused%length)
       call stream%pass(self%refused%until)
+      call stream%pass(self%worked)
+      call stream%pass(self%power)
+      call stream%pass(self%missed)
    end subroutine pass_clock
 end module lopin_state

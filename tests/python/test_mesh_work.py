@@ -10,11 +10,11 @@ from lopin.model import Model
 #: Words whose strains follow a bend, and words that add to its work.
 RIGHT = ["CPE4I", "CPS4I", "CPE6", "CPE8", "CPE8R", "C3D8I", "C3D10", "C3D20", "CSS8"]
 LOCKED = ["CPE4", "CPS4", "CPE3", "C3D8", "C3D4"]
-CELLS = {"CPE4I": "CPE4", "CPS4I": "CPS4", "CPE8R": "CPE8", "C3D8I": "C3D8", "CSS8": "C3D8"}
+CELLS = {"CAX4I": "CAX4", "CPE4R": "CPE4", "CPE4I": "CPE4", "CPS4I": "CPS4", "CPE8R": "CPE8", "C3D8I": "C3D8", "CSS8": "C3D8"}
 
 
-def cantilever(word, layers, length=20.0, cells=20, law=None, nlgeom=False, scale=1.0):
-    """Clamped at one end, the other moved across by a two hundredth of its length."""
+def cantilever(word, layers, length=20.0, cells=20, law=None, nlgeom=False, scale=1.0, way=0.005):
+    """Clamped at one end, the other moved across by `way` of its length."""
     solid = word.startswith("C3D") or word == "CSS8"
     size = (length, 1.0, 1.0) if solid else (length, 1.0)
     mesh = mesh_make.block([scale*x for x in size],
@@ -24,10 +24,11 @@ def cantilever(word, layers, length=20.0, cells=20, law=None, nlgeom=False, scal
     if word.rstrip("R") in ("CPE6", "CPE8", "C3D10", "C3D20"):
         mesh = mesh.quadratic()
     model = Model("beam", mesh, kind="3d" if solid else
-                  "plane stress" if word.startswith("CPS") else "plane strain")
+                  "plane stress" if word.startswith("CPS") else
+                  "axisymmetric" if word.startswith("CAX") else "plane strain")
     model.section("ALL", law or Elastic(2e5/scale**2, 0.0))
     model.fix("LEFT", *("xyz" if solid else "xy"))
-    model.step(nlgeom=nlgeom).move("RIGHT", **{"z" if solid else "y": -0.005*length*scale})
+    model.step(nlgeom=nlgeom).move("RIGHT", **{"z" if solid else "y": -way*length*scale})
     base = CELLS.get(word, word)
     return Deck.parse(re.sub(rf"TYPE={base}\b", f"TYPE={word}", model.to_deck().text()), "beam")
 
@@ -103,3 +104,45 @@ def test_a_bend_by_heat_that_locks_is_told(solve, word, excess):
             + "*STEP\n*STATIC\n*TEMPERATURE\n" + warm + "*END STEP\n")
     result = solve(Deck.parse(text, "heated"))
     assert (told(result) > 0.2) == excess
+
+
+def ideal():
+    """Metal that does not harden to speak of."""
+    return Material(Elastic(2e5, 0.3), Plastic([(200.0, 0.0), (201.0, 1.0)]))
+
+
+@pytest.mark.parametrize("word, right, too", [
+    ("CPE4", "CPE4I", "small"), ("CPE4R", "CPE4I", "small"), ("C3D8", "C3D8I", "small"),
+    ("CAX4", "CAX4I", "small"), ("CPS4", "CPS4I", "large")])
+def test_metal_that_bends_in_one_layer_is_told(solve, word, right, too):
+    """Two points with one mean dilatation carry two thirds of a plastic moment; without a word until
+    now, or "too high"."""
+    results = [solve(cantilever(w, 1, 10.0, law=ideal(), nlgeom=True, way=0.06))
+               for w in (word, right)]
+    texts = [m["message"] for m in results[0].diagnostics if m["code"] == "W0566"]
+    assert len(texts) == 1 and texts[0].endswith("too "+too) and not told(results[0])
+    share = work(results[0])/work(results[1])
+    assert share < 0.9 if too == "small" else share > 1.05
+    assert not any(m["code"] == "W0566" for m in results[1].diagnostics)
+
+
+@pytest.mark.parametrize("word", ["CPE4", "C3D8"])
+def test_one_layer_that_is_stretched_is_not(solve, word):
+    deck = cantilever(word, 1, 10.0, law=ideal(), nlgeom=True, way=0.06)
+    axis = "3" if word == "C3D8" else "2"
+    text = deck.text().replace(f"RIGHT, {axis}, {axis}, -0.6", "RIGHT, 1, 1, 0.6")
+    assert text != deck.text()
+    result = solve(Deck.parse(text, "stretched"))
+    assert not any(m["code"][1:] in ("0565", "0566") for m in result.diagnostics)
+
+
+@pytest.mark.parametrize("word, layers", [("CPE3", 2), ("CPE3", 3), ("CPS3", 1), ("C3D4", 1),
+                                          ("CPE4", 3), ("CAX3", 2)])
+def test_metal_that_does_not_harden_is_told(solve, word, layers):
+    """Its work is along its strains but for what is elastic; rings by radian were taken for whole
+    ones."""
+    right = {"C3D4": "C3D8I", "CPS3": "CPS4I", "CAX3": "CAX4I"}.get(word, "CPE4I")
+    results = [solve(cantilever(w, n, 10.0, law=ideal(), nlgeom=True, way=0.06))
+               for w, n in ((word, layers), (right, 2))]
+    excess = 1.0 - work(results[1])/work(results[0])
+    assert 0.5*excess < told(results[0]) < 3.0*excess

@@ -7,18 +7,19 @@
 !>
 !> is what the mesh adds: in elasticity the square of the error in the norm of energy, as far as e*
 !> is the true strain (Zienkiewicz and Zhu 1987). The force of a given way is too high by as much,
-!> since all work is half of both. Of metal it is that of the stress at the end, along its strain.
+!> since all work is half of both. Of metal it is that of the stress at the end, along its strain,
+!> which is the plastic work, and of metal that was bent back in places that of what was not.
 !> Strains are less those of free expansion, which no stress goes with.
 module lopin_mesh_work
    use lopin_kinds, only : wp
    use lopin_text, only : to_text
-   use lopin_element_type, only : element_type
-   use lopin_gradients, only : gradients
+   use lopin_point_volumes, only : point_volumes
    use lopin_model, only : model_type
    use lopin_recover_nonlinear, only : recover_nonlinear
    use lopin_recover_stress, only : recover_stress, average_to_nodes
    use lopin_newton_workspace, only : is_nonlinear
    use lopin_material_memory, only : offset_at
+   use lopin_bent_layers, only : check_bent_layers
    use lopin_scene, only : scene_type
    use lopin_repeated_messages, only : warn_once, note_once
    implicit none
@@ -27,21 +28,25 @@ module lopin_mesh_work
 
    !> Of all work: told, and warned of.
    real(wp), parameter :: told = 0.05_wp, warned = 0.1_wp
+   !> Of the work, what must still be along the strains.
+   real(wp), parameter :: still = 0.25_wp
    !> Less work than this, beside the most that was about, is what a release leaves.
    real(wp), parameter :: hardly = 1.0e-3_wp
 
 contains
 
    !> Look at all bodies where a step ends.
-   subroutine check_mesh_work(scene, model, u, work, whole)
+   subroutine check_mesh_work(scene, model, u, work, plastic, whole)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       real(wp), intent(in) :: u(:, :)          !! (3, nnode) displacements [length]
       real(wp), intent(in) :: work             !! stored and spent in the bodies [energy]
+      real(wp), intent(in) :: plastic          !! of that, spent [energy]
       real(wp), intent(in) :: whole            !! the most that was about [energy]
       real(wp), allocatable :: stress(:, :), strain(:, :)
       real(wp) :: added, along, most
       integer :: i, worst
+      logical :: bends
 
       if (.not. work > hardly*whole) return
       if (is_nonlinear(scene%newton)) then
@@ -58,9 +63,13 @@ contains
          call add_section(i)
       end do
       ! Metal that was bent back has stresses against its strain.
-      if (along < work) return
-      if (added > told*max(along, 2.0_wp*work)) call tell(scene, model, worst, &
-         & added/max(along, 2.0_wp*work))
+      if (along < still*work) return
+      bends = .false.
+      if (plastic > warned*work) call check_bent_layers(scene, model, stress, strain, along, bends)
+      if (bends) return
+      associate (share => added/max(along, 2.0_wp*min(along, work)))
+         if (share > told) call tell(scene, model, worst, share)
+      end associate
 
    contains
 
@@ -78,7 +87,7 @@ contains
                associate (element => solids%group(solids%which(e))%element, &
                   & node => mesh%conn(:, e), p => solids%first_point(e), &
                   & q => solids%first_point(e + 1) - 1)
-                  volume = volumes(element, mesh%x(:, node(:element%nnode)), &
+                  volume = point_volumes(element, mesh%x(:, node(:element%nnode)), &
                      & model%section(section)%thickness)
                   own = sum(volume*sum(stress(:, p:q)*(strain(:, p:q) - matmul( &
                      & smooth(:, node(:element%nnode)), element%n)), dim=1))
@@ -112,23 +121,6 @@ contains
          end do
       end associate
    end subroutine leave_out_expansion
-
-   !> Of the Gauss points of an element at the start [length^3]; rings by radian.
-   pure function volumes(element, x, thickness) result(volume)
-      type(element_type), intent(in) :: element
-      real(wp), intent(in) :: x(:, :)          !! (ndim, nnode) [length]
-      real(wp), intent(in) :: thickness        !! plane kinds [length]
-      real(wp) :: volume(element%ngauss), g(element%ndim, element%nnode)
-      integer :: k
-
-      do k = 1, element%ngauss
-         call gradients(element%ndim, element%nnode, x, element%dn(:, :, k), g, volume(k))
-         volume(k) = volume(k)*element%weight(k)
-         if (element%ndim == 3) cycle
-         volume(k) = volume(k)*merge(dot_product(x(1, :), element%n(:, k)), thickness, &
-            & element%axisymmetric)
-      end do
-   end function volumes
 
    subroutine tell(scene, model, worst, share)
       type(scene_type), intent(inout) :: scene

@@ -31,7 +31,7 @@ contains
       associate (energy => frame%energy, taken => frame%energy%strain + frame%energy%plastic)
          call check_step(scene, model, watch%seen, frame%certificate%rubs%ramp, energy%most, taken)
          call check_unresolved_contact(scene, model, watch%artificial%pressed, taken)
-         call check_mesh_work(scene, model, frame%u, taken, energy%most)
+         call check_mesh_work(scene, model, frame%u, taken, energy%plastic, energy%most)
          call check_coarse_faces(scene, model, energy%most)
          if (scene%newton%in_use) call end_balance(watch%balance, scene, model, energy)
          call report_snap_through(watch%jumps, scene, model, energy)

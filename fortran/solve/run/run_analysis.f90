@@ -31,6 +31,7 @@ module lopin_run_analysis
    use lopin_stream, only : stream_type
    use lopin_checkpoint_store, only : checkpoint_store_type
    use lopin_turning_points, only : turns_within
+   use lopin_falling_power, only : note_power
    use lopin_time_increment, only : attempt_type, first_attempt, set_attempt, cut_increment, &
       & end_attempts, grow
    use lopin_checkpointing, only : save_checkpoint, keep_for_resume
@@ -316,6 +317,7 @@ contains
          call check_yield(scene, model, frame%u)
          call check_flow_curves(scene, model)
          self%summary%step(scene%step)%increments = number
+         call note_power(scene%accepted, frame%time_increment)
          if (.not. clock%at_end) call grow(clock%increment, step, self%plan, frame, scene)
          if (number == 1 .and. scene%step == model%start%step) call leave_rest(scene%accepted, &
             & model%start%increment)

@@ -19,6 +19,7 @@ module lopin_time_increment
    use lopin_lagged_friction, only : reads_lagged
    use lopin_limit_increment, only : transfer_id
    use lopin_refuse_lost_rows, only : lost_row_id
+   use lopin_falling_power, only : part_by_power
    use lopin_touch_order, only : order_id, parts_of_touch
    use lopin_scene, only : scene_type
    use lopin_contact_friction, only : slides_with_friction
@@ -203,7 +204,7 @@ contains
    end subroutine go_by_parts
 
    !> The next increment: larger after few iterations, up to what was usual faster than beyond, as
-   !> long as the metal flows little in it.
+   !> long as the metal flows little in it, and does not end to flow at times that it cannot know.
    subroutine grow(increment, step, plan, frame, scene)
       real(wp), intent(inout) :: increment
       type(step_type), intent(in) :: step
@@ -226,6 +227,8 @@ contains
          & increment = min(increment, frame%time_increment*steady_flow/flow)
       if (.not. step%direct .and. turned > 0.0_wp) &
          & increment = min(increment, frame%time_increment*steady_turn*most_turn/turned)
+      if (.not. step%direct) &
+         & increment = min(increment, frame%time_increment*part_by_power(scene%accepted))
       if (step%largest > 0.0_wp) increment = min(increment, step%largest)
    end subroutine grow
 

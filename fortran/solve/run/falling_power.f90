@@ -1,0 +1,46 @@
+!> How long the next increment may be where metal flows less and less.
+!>
+!> An increment knows the ends of its way alone. Where the plastic power falls, point after point
+!> unloads, each at a time of its own between two ends, and what it would have flowed until then is
+!> missed: a sheet that is lifted off its die by a pressure that goes was bent by 2 % less, and
+!> what it pressed on the die in the end was off by 7 %. By the trapezoidal rule the plastic work
+!> that is missed is half the fall of the power times the length, so that it goes with the square of
+!> the length. The next increment is as long as leaves that below half a per cent of all plastic
+!> work. Power that rises misses nothing: what flows on ends where its strains end.
+module lopin_falling_power
+   use lopin_kinds, only : wp
+   use lopin_state, only : state_type
+   implicit none
+   private
+   public :: note_power, part_by_power
+
+   !> Plastic work that an increment may miss, beside all of it; least part of the last increment.
+   real(wp), parameter :: most_missed = 0.005_wp, least_part = 0.3_wp
+
+contains
+
+   !> After an increment was accepted: its plastic power, and what it may have missed.
+   subroutine note_power(accepted, length)
+      type(state_type), intent(inout) :: accepted
+      real(wp), intent(in) :: length           !! of the increment [time]
+      real(wp) :: power
+
+      associate (clock => accepted%clock)
+         power = (accepted%solids%work - clock%worked)/length
+         clock%missed = 0.0_wp
+         if (clock%number > 1) clock%missed = max(0.0_wp, 0.5_wp*(clock%power - power)*length)
+         clock%worked = accepted%solids%work
+         clock%power = power
+      end associate
+   end subroutine note_power
+
+   !> Of the last increment, as long as the next may be.
+   pure real(wp) function part_by_power(accepted) result(part)
+      type(state_type), intent(in) :: accepted
+
+      part = huge(part)
+      associate (missed => accepted%clock%missed, work => accepted%solids%work)
+         if (missed > 0.0_wp) part = max(least_part, sqrt(most_missed*work/missed))
+      end associate
+   end function part_by_power
+end module lopin_falling_power
