@@ -102,6 +102,7 @@ contains
          & 'than the side that the node meets: its row then lets it into the tool.', &
          & '*LOPIN, PATH=FINITE, which follows the slave; or give the tool a shorter way.')
       call coarse_contact(list)
+      call coarse_bodies(list)
    end subroutine narrow_masters
 
    !> Slaves that are coarse beside their masters, or beside contact.
@@ -149,6 +150,12 @@ contains
          & 'As N0563, but more than a tenth.', &
          & 'facets a quarter as long about the contact; *LOPIN, TARGET ERROR finds how fine '// &
          & 'they must be.')
+   end subroutine coarse_contact
+
+   !> Elements that bend otherwise than their bodies.
+   subroutine coarse_bodies(list)
+      type(explanation_type), allocatable, intent(inout) :: list(:)
+
       call add_explanation(list, 'N0565', 'work that the mesh adds', &
          & 'Elements that are too coarse, or that lock where bodies bend, strain otherwise '// &
          & 'than their neighbours. Looked at where steps end: the work of the stresses on what '// &
@@ -164,11 +171,11 @@ contains
          & 'words with I (CPE4I, C3D8I) or second order where bodies bend; a finer mesh '// &
          & 'elsewhere.')
       call add_explanation(list, 'W0566', 'metal that bends in one layer', &
-         & 'Quads and bricks of first order without I have two points across a layer. With one '// &
-         & 'mean dilatation (CPE4, CAX4, C3D8) they carry two thirds of the plastic moment of a '// &
-         & 'strip; without it (CPS4, FULL) 15 % more than it, and more yet where their straight '// &
-         & 'edges keep the metal from bending in one place.', &
+         & 'Quads and bricks of first order without I have two points across a layer. With '// &
+         & 'one mean dilatation (CPE4, CAX4, C3D8) they carry two thirds of the plastic '// &
+         & 'moment of a strip; without it (CPS4, FULL) 15 % more than it, and more yet where '// &
+         & 'their straight edges keep the metal from bending in one place.', &
          & 'words with I (CPE4I, CPS4I, CAX4I, C3D8I), whose points follow the number of '// &
          & 'layers; or three layers and more.')
-   end subroutine coarse_contact
+   end subroutine coarse_bodies
 end module lopin_explain_facets

@@ -1,6 +1,7 @@
 !> Which elements lie in a sheet, and how many of them lie through its thickness.
 !>
-!> Quads and bricks are looked at along their parametric directions, from one free face to the other.
+!> Quads and bricks are looked at along their parametric directions, from one free face to the
+!> other.
 module lopin_sheet_layers
    use lopin_kinds, only : wp
    use lopin_cells, only : cell_type

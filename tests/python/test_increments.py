@@ -89,14 +89,14 @@ def lifted(element: str, pressure: float, lift: float, longest: str = "") -> lop
 
 
 @pytest.mark.parametrize("element, pressure, lift", [
-    ("CPE4I", 5.0, 3.0), ("CPE4I", 3.0, 6.0), ("CAX4I", 5.0, 2.0)])
+    ("CPE4I", 5.0, 3.0), ("CAX4I", 5.0, 2.0)])
 def test_metal_that_ceases_to_flow_is_followed(element, pressure, lift):
-    """The plastic work by default increments beside increments of a hundredth: points that unload
-    within an increment missed 2 to 3 % of it."""
+    """The plastic work by default increments beside increments of a fiftieth: points that unload
+    within an increment missed 2 to 5 % of it."""
     works, numbers = [], []
-    for longest in ("", ".01, 1., 1e-9, .01"):
+    for longest in ("", ".02, 1., 1e-9, .02"):
         result = lifted(element, pressure, lift, longest)
         works.append(float(result.history["energy.plastic"][-1]))
         numbers.append(result.summary["steps"][1]["increments"])
-    assert works[0] == pytest.approx(works[1], rel=0.01)
-    assert numbers[0] < 60 < numbers[1]
+    assert works[0] == pytest.approx(works[1], rel=0.0125)
+    assert numbers[0] < 40 < numbers[1]

@@ -2,11 +2,11 @@
 !>
 !> Of a strip of unit width, thickness t and yield stress Y in plane strain the plastic moment is
 !> 2/sqrt(3) Y t^2/4 = .289 Y t^2. Two Gauss points of one layer lie at t/sqrt(12) from the middle.
-!> With one mean dilatation (B-bar) both have the stress deviator of a bend without change of volume
-!> and one mean stress, which the free faces make none: 2/3 Y along the strip, a moment of
-!> 2/3 Y t^2/sqrt(12) = .192 Y t^2, a third too small. Without B-bar (plane stress, FULL) it is that of
-!> two points, 15 % too large, and more where edges that stay straight keep metal from bending in one
-!> place. The mesh adds no work there that lopin_mesh_work would see.
+!> With one mean dilatation (B-bar) both have the stress deviator of a bend without change of
+!> volume and one mean stress, which the free faces make none: 2/3 Y along the strip, a moment of
+!> 2/3 Y t^2/sqrt(12) = .192 Y t^2, a third too small. Without B-bar (plane stress, FULL) it is that
+!> of two points, 15 % too large, and more where edges that stay straight keep metal from bending
+!> in one place. The mesh adds no work there that lopin_mesh_work would see.
 !>
 !> What bends is the strain that changes sign with the parametric coordinate across the layer; the
 !> work of the stresses on it, beside that on all strains, is the share of bending.
@@ -120,9 +120,10 @@ contains
             & 100.0_wp*two_points, 2)//' % and more too large'
          call warn_once(scene%log, 'W0566', 'metal bends in one layer of '//word//', most at '// &
             & 'element '//to_text(model%mesh%element_label(worst))//', which is '// &
-            & to_text(100.0_wp*min(share, 1.0_wp), 2)//' % of the work: its two points across the '// &
-            & 'layer carry a plastic moment that is '//off, at, help='words with I (CPE4I, CPS4I, '// &
-            & 'CAX4I, C3D8I), which have more points in one layer; or three layers and more')
+            & to_text(100.0_wp*min(share, 1.0_wp), 2)//' % of the work: its two points across '// &
+            & 'the layer carry a plastic moment that is '//off, at, help='words with I '// &
+            & '(CPE4I, CPS4I, CAX4I, C3D8I), which have more points in one layer; or three '// &
+            & 'layers and more')
       end associate
    end subroutine tell
 end module lopin_bent_layers

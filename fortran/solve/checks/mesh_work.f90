@@ -49,12 +49,7 @@ contains
       logical :: bends
 
       if (.not. work > hardly*whole) return
-      if (is_nonlinear(scene%newton)) then
-         call recover_nonlinear(scene%solids, model%mesh, u, scene%newton%past, stress, strain)
-         call leave_out_expansion(scene, model%mesh%nelement, strain)
-      else
-         call recover_stress(scene%solids, model%mesh, u, stress, strain)
-      end if
+      call recover(scene, model, u, stress, strain)
       added = 0.0_wp
       along = 0.0_wp
       most = 0.0_wp
@@ -101,6 +96,21 @@ contains
          end associate
       end subroutine add_section
    end subroutine check_mesh_work
+
+   !> Stresses and the strains that go with them, at all points.
+   subroutine recover(scene, model, u, stress, strain)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: u(:, :)          !! (3, nnode) displacements [length]
+      real(wp), allocatable, intent(out) :: stress(:, :), strain(:, :)   !! (6, npoint)
+
+      if (is_nonlinear(scene%newton)) then
+         call recover_nonlinear(scene%solids, model%mesh, u, scene%newton%past, stress, strain)
+         call leave_out_expansion(scene, model%mesh%nelement, strain)
+      else
+         call recover_stress(scene%solids, model%mesh, u, stress, strain)
+      end if
+   end subroutine recover
 
    !> What memories of heated points add to the change of volume, at each point.
    subroutine leave_out_expansion(scene, nelement, strain)
