@@ -212,7 +212,7 @@ def test_points_that_the_deck_names_stay(solve):
 def test_faces_that_supports_keep_in_their_plane_are_not_free(solve, word, turned, held, layers,
                                                               said):
     """Nothing bends across a slice of one cell between planes of symmetry: six points that way
-    took up to seventy times as long. `turned`: supports in axes of their own."""
+    took three times as long. `turned`: supports in axes of their own."""
     mesh = extruded(block((6.0, 1.0), (5, layers)), 0.2, 1)
     mesh = mesh.quadratic() if "20" in word else mesh
     points = mesh.points.tolist()
