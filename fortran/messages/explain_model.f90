@@ -95,7 +95,8 @@ contains
          & 'give a moment 14 to 19 % off, of two layers 1.5 to 5 % too small. Sheets whose '// &
          & 'metal flows have five, four, three points in each half of each of one, two, three '// &
          & 'layers (in space three, two): 1 % off (3 %). Several layers are a sheet if it is '// &
-         & 'five times as long as thick.', &
+         & 'five times as long as thick. Nothing bends across faces that supports hold along '// &
+         & 'their normal in every step: they are not free.', &
          & 'nothing; *SECTION CONTROLS, FORMULATION=FULL keeps the usual points.')
       call add_explanation(list, 'N0206', 'an element word stands for another formulation', &
          & 'The letters of the word (R, I, H, M) ask for a formulation that Lopin does not '// &
@@ -142,7 +143,8 @@ contains
          & 'see `lopin doc ''*SURFACE BEHAVIOR''`.')
       call add_explanation(list, 'E0312', 'the normal of a tool points the wrong way', &
          & 'An analytical surface is one-sided: its normal is on the left of the way along '// &
-         & 'the profile and must point to the deformable body.', &
+         & 'the profile and must point to the deformable body. Here no node of the slave has '// &
+         & 'it opposite, some look out of it from inside, and no other lies in front of it.', &
          & 'reverse the order of START, LINE, CIRCL.')
       call add_explanation(list, 'E0316', 'a face too distorted for surface-to-surface contact', &
          & 'Points of the slave''s faces are carried to the faces opposite along the normal; '// &

@@ -60,7 +60,8 @@ contains
       call add_explanation(list, 'N0561', 'the force of a tool rises and falls with the facets', &
          & 'A row of contact begins where its node arrives. As a tool moves on over a radius, '// &
          & 'or a strip over it, the force rises until the next node bears and falls as that '// &
-         & 'takes over: waves of about one facet, shorter and lower on a finer mesh. The '// &
+         & 'takes over: waves of about one facet, shorter and lower on a finer mesh. Tools '// &
+         & 'count that supports of theirs or of the part lead along it, whichever moves. The '// &
          & 'figure is the highest that came and went within the travel of three facets. Forces '// &
          & 'differed from those of a mesh of half the size by .3 to .9 of it (root of the mean '// &
          & 'square over the step) and by one to three times as much at their worst.', &
@@ -74,7 +75,9 @@ contains
          & 'sag of its chord, h^2/8R. By so much it is unknown where the tool bears. What the '// &
          & 'driving force rises by within that travel is known no better. Of a bend in air '// &
          & 'that is little; where a sheet is pressed home between punch and die the force '// &
-         & 'rises tenfold within hundredths of a thickness. Pressed home on facets of a '// &
+         & 'rises tenfold within hundredths of a thickness. What points have borne before, or '// &
+         & 'formed metal of the start before it flows, is elastic and does not count. Pressed '// &
+         & 'home on facets of a '// &
          & 'seventh to a half of the radius bends were 14 to 90 % off, and the figure was .5 '// &
          & 'to 1.1 of it. '// &
          & 'A force that snaps from one bending wave to the next is known worse.', &

@@ -9,6 +9,7 @@ module lopin_sheet_layers
    use lopin_face_numbers, only : find_neighbours
    use lopin_quadrature, only : points_in_half
    use lopin_model, only : model_type, kind_of
+   use lopin_held_faces, only : close_held
    implicit none
    private
    public :: find_beyond, layers_of, go_on, is_product, face_of
@@ -23,7 +24,8 @@ module lopin_sheet_layers
 
 contains
 
-   !> The element beyond each face of each; 0: none, -1: the other half of a body about an axis.
+   !> The element beyond each face of each; 0: none, -1: the other half of a body about an axis, or
+   !> a support that keeps the face in its plane.
    subroutine find_beyond(model, cells, beyond)
       type(model_type), intent(in) :: model
       type(cell_type), intent(in) :: cells(:)   !! of the words
@@ -31,6 +33,7 @@ contains
 
       call find_neighbours(model%mesh, cells, beyond)
       if (model%kind == kind_of%axisymmetric) call close_axis(model, cells, beyond)
+      call close_held(model, cells, beyond)
    end subroutine find_beyond
 
    !> Edges on the axis have the other half of the body beyond them.

@@ -1,5 +1,6 @@
 """Forces that rise and fall as facets come to press one by one are told, with a figure."""
 import re
+from math import cos, radians, sin, tan
 
 import numpy as np
 import pytest
@@ -7,7 +8,9 @@ import pytest
 from lopin import Deck
 from lopin.atlas import forming_scenes
 from lopin.atlas.forming_scenes import air_bend, flanged, strip
+from lopin.atlas.metal import Metal
 from lopin.atlas.scenes import PLAIN, Frame
+from lopin.mesh_make import block
 from lopin.run import run
 
 
@@ -81,3 +84,37 @@ def test_the_figure_is_the_highest_wave_of_the_history():
 def test_a_force_that_rises_all_the_way_is_not_doubted(build, args):
     """A bend in air."""
     assert not waves(build, *args, released=True)[0]
+
+
+def drawn(word, who, frame=PLAIN):
+    """Half a strip, or a wire, drawn by 3 through a die of 10 degrees: `who` moves."""
+    a, high, low = radians(10.0), 2.0, 1.7
+    mesh = block((1.0, 10.0), (2, 24), origin=(0.0, -7.0)).mapped(lambda x: np.column_stack(
+        [x[:, 0]*np.clip(low - np.minimum(x[:, 1], 0.0)*tan(a), low, high), x[:, 1]]))
+    scene = Metal("drawn", word, frame)
+    ends = {"LEFT": [1]} | ({"TOP": [2]} if who == "die" else {})
+    scene.body(mesh.replaced(surfaces={"RIGHT": mesh.surfaces["RIGHT"]},
+                             point_sets={k: mesh.point_sets[k] for k in ("LEFT", "TOP")}), ends)
+    scene.metal(*scene.linear(250.0, 0.0))
+    scene.interaction("lagrange", ["*FRICTION", "0.05,"])
+    radius, foot = 2.0, 2.0*tan(0.5*a)
+    x, y = low + radius*(1.0 - cos(a)), foot - radius*sin(a)
+    scene.tool("DIE", "RIGHT", [(x + 8.0*sin(a), y - 8.0*cos(a)), (x, y),
+                                (low, foot, low + radius, foot), (low, 1.5), (low + 1.0, 2.5)],
+               (4.0, 0.0))
+    scene.held.append("DIEP, 1")
+    scene.ready()
+    pull = ["*BOUNDARY", f"TOP, 2, 2, {3.0*frame.length!r}"] if who == "strip" else []
+    scene.step({"DIE": (0.0, -3.0 if who == "die" else 0.0)}, (0.01, 0.02), pull)
+    return scene.deck()
+
+
+@pytest.mark.parametrize("word", ["CPE4", "CAX4"])
+def test_a_die_that_stands_is_told_of_as_one_that_moves(word):
+    """The strip is pulled through it: forces are the same, and so is what is told."""
+    found = re.compile(r"falls and rises by ([\d.]+) %.*, ([\d.]+) of a facet")
+    told = [[(d["code"], *map(float, found.search(d["message"]).groups()))
+             for d in run(drawn(word, who)).diagnostics if str(d["code"]).endswith("0561")]
+            for who in ("die", "strip")]
+    assert told[0][0][0] == told[1][0][0] == "W0561" and len(told[0]) == len(told[1]) == 1
+    assert told[0][0][1:] == pytest.approx(told[1][0][1:], rel=0.1)

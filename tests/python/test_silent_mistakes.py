@@ -415,6 +415,29 @@ def test_check_finds_a_tool_on_the_wrong_side(tmp_path):
     assert run.returncode == 1 and said(run, "E0312") and run.stdout == ""
 
 
+@pytest.mark.parametrize("moves", [False, True])
+def test_check_finds_a_curved_tool_whose_wrong_side_a_part_of_the_slave_looks_along(moves,
+                                                                                    tmp_path):
+    """A sheet over a die: backwards, its solid is where the sheet is, and no node is outside."""
+    codes = []
+    for points in ([(30.0, 21.0), (30.0, 6.0), (35.0, 1.0, (35.0, 6.0)), (60.0, 1.0)],
+                   [(60.0, 1.0), (35.0, 1.0), (30.0, 6.0, (35.0, 6.0)), (30.0, 21.0)]):
+        way = profile.start(*points[0])
+        for p in points[1:]:
+            way = way.arc_to(*p) if len(p) > 2 else way.line_to(*p)
+        model = Model("sheet", mesh_make.block((40.0, 1.0), (20, 1)))
+        model.section("ALL", Elastic(210e3, 0.3))
+        die = model.rigid_tool("DIE", way)
+        model.contact("TOP", die)
+        model.fix("LEFT", "x")
+        model.fix("RIGHT", "x", "y")
+        model.step(4, nlgeom=True).move(die, y=-0.1*moves)
+        run = lopin("check", model.to_deck().text(), tmp_path)
+        codes.append((run.returncode, said(run, "E0312"), said(run, "W0315")))
+    assert codes[0][0] == 1 and codes[0][1][0].startswith("15 of 21 ")
+    assert codes[1] == (0, [], [])
+
+
 def test_no_adjust_of_more_than_half_a_facet_is_proposed(tmp_path):
     for depth in (0.3, 2.4, 2.6, 7.0):
         tool = PARTS["tool"].replace("10.\n", f"{10. - depth}\n")

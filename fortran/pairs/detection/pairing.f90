@@ -20,6 +20,7 @@ module lopin_pairing
    use lopin_contact_points, only : contact_points_type, no_contact_points, reserve, add_point, &
       & facing, pair_is_tied, gaps_as_meshed
    use lopin_moves_away, only : check_moves_away
+   use lopin_wrong_side, only : count_behind
    use lopin_skins, only : weigh_sharp_nodes
    use lopin_tool_points, only : pair_with_tool
    implicit none
@@ -240,7 +241,7 @@ contains
       end do
    end subroutine name_facet
 
-   !> A pair whose points all lie behind their master was described the wrong way round. Those that
+   !> A pair that lies behind its master was described the wrong way round. Points that
    !> look away from what they lie in front of, as the outside of a tube over a mandrel, may meet
    !> another wall of it later.
    subroutine check_sides(self, model, pair, log, error)
@@ -249,10 +250,9 @@ contains
       integer, intent(in) :: pair
       type(log_type), intent(inout) :: log
       type(error_type), allocatable, intent(out) :: error
-      !> Of a facet: nearer is not in front.
-      real(wp), parameter :: met = 1.0e-3_wp
       character(len=:), allocatable :: lies
-      integer :: i, behind
+      integer :: nodes, behind
+      logical :: wrong
 
       associate (p => model%pair(pair), slave => model%surface(model%pair(pair)%slave)%name, &
          & master => model%surface(model%pair(pair)%master)%name)
@@ -261,15 +261,13 @@ contains
             call check_moves_away(self, model, pair, log)
             return
          end if
-         behind = 0
-         do i = self%first(pair), self%n
-            if (dot_product(self%side(:, i), self%normal(:, i)) > 0.2_wp &
-               & .and. self%gap(i) < met*self%size(i)) behind = behind + 1
-         end do
-         if (behind == self%n - self%first(pair) + 1 .and. behind > 0) then
-            call raise(error, error_code%deck, 'E0312', 'all '//to_text(behind)// &
-               & ' slave nodes of '//slave// &
-               & ' lie behind '//master, p%at, &
+         call count_behind(self, model, pair, nodes, behind, wrong)
+         if (wrong) then
+            lies = 'all '//to_text(nodes)
+            if (behind < nodes) lies = to_text(behind)//' of '//to_text(nodes)
+            lies = lies//' slave nodes of '//slave//' lie behind '//master
+            if (behind < nodes) lies = lies//', and no other lies in front of it'
+            call raise(error, error_code%deck, 'E0312', lies, p%at, &
                & help='reverse the order of its segments (the outward normal is on ' &
                & //'the left of the way) or the corners of its facets, or use the other side '// &
                & 'of its faces')

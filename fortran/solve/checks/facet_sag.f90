@@ -3,13 +3,16 @@
 !> Where the nodes of a facet lie on a curved tool its middle is off by its sag, h^2/8R, and as
 !> uncertain is the place where the tool bears. What the force rises by while the tool moves
 !> as far is no better known: little as long as a sheet bends, and most of the force where it is
-!> pressed home between a punch and its die.
+!> pressed home between a punch and its die. Forces that points have borne before are elastic on the
+!> way back to them: the metal has the imprint of the tool as the facets have it, and nothing is
+!> uncertain. So are those of formed metal that a run begins with, until it flows.
 module lopin_facet_sag
    use lopin_kinds, only : wp
    use lopin_text, only : to_text
    use lopin_stream, only : stream_type
    use lopin_cells, only : cell_type
    use lopin_model, only : model_type
+   use lopin_start, only : unseated
    use lopin_carried_force, only : skin_type
    use lopin_nonlinear_contact, only : nonlinear_contact_type
    use lopin_repeated_messages, only : warn_once, note_once
@@ -22,12 +25,16 @@ module lopin_facet_sag
    real(wp), parameter :: some = 0.02_wp, much = 0.05_wp
    !> Forces that count, beside the largest: where contact begins they rise steeply for a moment.
    real(wp), parameter :: large = 0.5_wp
+   !> Plastic part of the work of an increment in which metal flows.
+   real(wp), parameter :: flowing = 0.3_wp
 
    !> The driving force on its way, and where it rose most within the travel of a sag.
    type :: sag_type
       real(wp) :: largest = 0.0_wp             !! driving force so far [force]
       real(wp) :: travel = 0.0_wp              !! since the force was looked at last [length]
       real(wp) :: force = 0.0_wp               !! then; 0: it begins [force]
+      real(wp), allocatable :: borne(:)        !! (points) the most until then [force]
+      logical :: seated = .false.              !! what the run began with has been borne
       real(wp) :: rise = 0.0_wp                !! the most, of a force that was large [force]
       real(wp) :: to = 0.0_wp                  !! what it rose to [force]
       real(wp) :: sag = 0.0_wp                 !! mean of what pressed there [length]
@@ -48,6 +55,8 @@ contains
       call stream%pass(self%largest)
       call stream%pass(self%travel)
       call stream%pass(self%force)
+      call stream%pass(self%borne)
+      call stream%pass(self%seated)
       call stream%pass(self%rise)
       call stream%pass(self%to)
       call stream%pass(self%sag)
@@ -58,24 +67,32 @@ contains
    end subroutine keep
 
    !> An increment of the nonlinear path is accepted: how the driving force rose in it.
-   subroutine note_sag(self, scene, model, increment)
+   subroutine note_sag(self, scene, model, increment, time)
       type(sag_type), intent(inout) :: self
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
       integer, intent(in) :: increment
-      real(wp) :: way, force, sag, farthest, rise
+      real(wp), intent(in) :: time             !! of the step [time]
+      real(wp) :: way, force, sag, farthest, rise, now(scene%newton%contact%n)
       integer :: pair
 
+      now = forces_on_tools(scene%newton%contact, model)
+      call begin(self, model, size(now))
       call measure_drive(scene, way, force)
+      if (.not. (self%seated .and. way > 0.0_wp)) self%borne = max(self%borne, now)
       if (.not. way > 0.0_wp) return
       self%largest = max(self%largest, force)
       self%travel = self%travel + way
       call measure_sag(scene, model, sag, farthest, pair)
-      rise = (force - self%force)*min(1.0_wp, sag/self%travel)
+      rise = min(force - self%force, force*share_above(now, self%borne)) &
+         & *min(1.0_wp, sag/self%travel)
       if (self%travel >= sag) then
          self%force = force
          self%travel = 0.0_wp
+         self%borne = max(self%borne, now)
       end if
+      if (.not. self%seated) self%seated = metal_flows(scene) .and. .not. is_unseated(model, &
+         & scene%step, time)
       if (self%to < large*self%largest) self%rise = 0.0_wp
       if (rise <= self%rise .or. force < large*self%largest) return
       self%rise = rise
@@ -86,6 +103,63 @@ contains
       self%step = scene%step
       self%increment = increment
    end subroutine note_sag
+
+   !> No point has borne anything yet; where a run, or a part of one, begins with formed metal the
+   !> mesh does not say what its points have borne.
+   pure subroutine begin(self, model, points)
+      type(sag_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: points
+
+      if (allocated(self%borne)) then
+         if (size(self%borne) == points) return
+         deallocate (self%borne)
+      end if
+      allocate (self%borne(points), source=0.0_wp)
+      self%seated = model%start%step == 0 .and. .not. any(model%initial_state%plastic > 0.0_wp)
+   end subroutine begin
+
+   !> What points press on tools [force]; others 0.
+   pure function forces_on_tools(contact, model) result(force)
+      class(nonlinear_contact_type), intent(in) :: contact
+      type(model_type), intent(in) :: model
+      real(wp) :: force(contact%n)
+      integer :: i
+
+      force = 0.0_wp
+      do i = 1, contact%n
+         if (model%surface(model%pair(contact%pair(i))%master)%tool == 0) cycle
+         if (contact%enforcement(i)%tied) cycle
+         force(i) = contact%weight(i)*norm2(contact%traction(:, i))
+      end do
+   end function forces_on_tools
+
+   !> The share of all forces that is above what points have borne.
+   pure real(wp) function share_above(force, borne) result(share)
+      real(wp), intent(in) :: force(:), borne(:)
+
+      share = 0.0_wp
+      if (any(force > 0.0_wp)) share = sum(max(0.0_wp, force - borne))/sum(force)
+   end function share_above
+
+   !> A new mesh is still being pressed out of tools.
+   pure logical function is_unseated(model, step, time)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: step
+      real(wp), intent(in) :: time             !! of the step [time]
+
+      is_unseated = .false.
+      if (step == model%start%step) is_unseated = unseated(model%start, time, &
+         & model%step(step)%period) > 0.0_wp
+   end function is_unseated
+
+   !> A part of the work of the increment is plastic.
+   pure logical function metal_flows(scene)
+      type(scene_type), intent(in) :: scene
+
+      metal_flows = scene%trial%solids%work - scene%accepted%solids%work &
+         & > flowing*abs(scene%trial%loads%work - scene%accepted%loads%work)
+   end function metal_flows
 
    !> Longest way of what is prescribed, and the force that drives it.
    pure subroutine measure_drive(scene, way, force)

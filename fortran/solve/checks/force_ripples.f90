@@ -5,7 +5,8 @@
 !> and comes back within the travel of a few facets is therefore no property of the scene, and the
 !> force is known no better than that. Cycles are counted as loads of fatigue are, by rainflow (ASTM
 !> E1049): a fall counts once the force has come back by as much; where it sinks on the whole, a
-!> rise that is lost again.
+!> rise that is lost again. What a tool does is seen beside the supports of the part: it may stand
+!> while they lead the part along it.
 module lopin_force_ripples
    use lopin_kinds, only : wp
    use lopin_text, only : to_text
@@ -13,6 +14,7 @@ module lopin_force_ripples
    use lopin_model, only : model_type
    use lopin_repeated_messages, only : warn_once, note_once
    use lopin_scene, only : scene_type
+   use lopin_led_bodies, only : measure_led
    implicit none
    private
    public :: ripples_type, note_ripples, report_ripples
@@ -29,7 +31,7 @@ module lopin_force_ripples
 
    !> The force of one tool on its way.
    type :: ripple_type
-      real(wp) :: way(3) = 0.0_wp              !! in the last increment [length]
+      real(wp) :: way(3) = 0.0_wp              !! beside the part in the last increment [length]
       real(wp) :: travel = 0.0_wp              !! [length]
       real(wp) :: largest = 0.0_wp             !! force so far [force]
       real(wp) :: wave = 0.0_wp                !! the highest: falls that came back, or the reverse
@@ -95,12 +97,17 @@ contains
       type(ripples_type), intent(inout) :: self
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
+      real(wp), allocatable :: led(:, :)
       real(wp) :: way(3), force
-      integer :: i
+      integer :: i, body
 
       if (size(model%rigid_body) == 0) return
       if (.not. allocated(self%of)) allocate (self%of(size(model%rigid_body)))
+      call measure_led(scene, led)
       do i = 1, size(self%of)
+         way = 0.0_wp
+         body = pressed_body(scene, model, i)
+         if (body > 0) way = led(:, body)
          call measure_force(scene, model%rigid_body(i)%reference, way, force)
          if (.not. norm2(way) > 0.0_wp) cycle
          associate (tool => self%of(i))
@@ -112,24 +119,25 @@ contains
       end do
    end subroutine note_ripples
 
-   !> How a reference node was led in the increment, and the force that drives it that way; tools
-   !> that give way to a load have not been led.
+   !> How a reference node was led in the increment beside the body that it presses, and the force
+   !> that drives it that way; tools that give way to a load have not been led.
    pure subroutine measure_force(scene, node, way, force)
       type(scene_type), intent(in) :: scene
       integer, intent(in) :: node
-      real(wp), intent(out) :: way(3)          !! [length]
+      real(wp), intent(inout) :: way(3)        !! in: of the body that it presses [length]
       real(wp), intent(out) :: force           !! [force]
       real(wp) :: reaction(3)
       logical :: free
       integer :: k
 
       free = .false.
-      way = 0.0_wp
       reaction = 0.0_wp
       do k = 1, 3
          associate (id => scene%dofs%id(k, node))
+            way(k) = -way(k)
+            if (id == 0) way(k) = 0.0_wp
             if (id == 0) cycle
-            way(k) = scene%trial%motion%u(id) - scene%accepted%motion%u(id)
+            way(k) = way(k) + scene%trial%motion%u(id) - scene%accepted%motion%u(id)
             if (scene%constraints%first(id + 1) > scene%constraints%first(id)) free = .true.
             reaction(k) = scene%trial%loads%reaction(id)
          end associate
@@ -138,6 +146,46 @@ contains
       force = 0.0_wp
       if (norm2(way) > 0.0_wp) force = dot_product(reaction, way)/norm2(way)
    end subroutine measure_force
+
+   !> The deformable body that a rigid body presses most; 0: none.
+   integer function pressed_body(scene, model, body) result(pressed)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: body
+      real(wp) :: force(0:scene%bodies%nbody)
+      logical :: own(size(model%pair))
+      integer :: i
+
+      force = 0.0_wp
+      own = [(is_master(model, body, i), i=1, size(model%pair))]
+      associate (c => scene%newton%contact)
+         do i = 1, c%n
+            if (c%status(i) <= 0 .or. .not. own(c%pair(i))) cycle
+            associate (of => force(scene%bodies%body(c%node(i))))
+               of = of + c%weight(i)*norm2(c%traction(:, i))
+            end associate
+         end do
+      end associate
+      force(0) = 0.0_wp
+      pressed = 0
+      if (any(force > 0.0_wp)) pressed = maxloc(force, dim=1) - 1
+   end function pressed_body
+
+   !> The master of a pair is a rigid body.
+   pure logical function is_master(model, body, pair)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: body, pair
+
+      is_master = .false.
+      associate (master => model%surface(model%pair(pair)%master))
+         if (master%tool > 0) then
+            is_master = model%tool(master%tool)%rigid_body == body
+         else if (allocated(master%element)) then
+            if (size(master%element) > 0) is_master = any(model%rigid_body(body)%node &
+               & == model%mesh%conn(1, master%element(1)))
+         end if
+      end associate
+   end function is_master
 
    !> Length of the longest facet that a rigid body presses [length].
    pure real(wp) function facet_of(scene, model, body) result(length)
@@ -210,8 +258,8 @@ contains
          associate (tool => self%of(i), body => model%rigid_body(i))
             if (.not. tool%wave > some*tool%largest) cycle
             text = 'the force of '//body%name//' falls and rises by '// &
-               & to_text(100.0_wp*tool%wave/tool%largest, 2)//' % of its largest while the '// &
-               & 'tool moves by '//to_text(tool%span, 3)//', '// &
+               & to_text(100.0_wp*tool%wave/tool%largest, 2)//' % of its largest while tool '// &
+               & 'and part move by '//to_text(tool%span, 3)//' beside each other, '// &
                & to_text(tool%span/tool%facet, 2)//' of a facet (waves above '// &
                & to_text(100.0_wp*some, 1)//' %: '//to_text(tool%count)//'): facets come to '// &
                & 'press one by one, and the force is known no better'

@@ -66,7 +66,7 @@ contains
       call note_falls(watch%springback, frame%energy)
       if (scene%newton%in_use) then
          call note_ripples(watch%ripples, scene, model)
-         call note_sag(watch%sag, scene, model, frame%increment)
+         call note_sag(watch%sag, scene, model, frame%increment, frame%step_time)
       end if
       ! What is let go of gives its energy to nothing: that is no jump.
       if (scene%newton%jumped) call record_snap_through(watch%jumps, frame%increment, &
