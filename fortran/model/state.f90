@@ -147,6 +147,7 @@ module lopin_state
       type(refused_type) :: refused            !! the longest now tried over its time
       real(wp) :: worked = 0.0_wp              !! plastic work of the run when the last one ended
       real(wp) :: power = 0.0_wp               !! plastic, of the last one [energy/time]
+      real(wp) :: lasted = 0.0_wp              !! its length [time]
       real(wp) :: missed = 0.0_wp              !! plastic work that it may have missed [energy]
    contains
       procedure :: pass => pass_clock
@@ -385,6 +386,7 @@ contains
       call stream%pass(self%refused%until)
       call stream%pass(self%worked)
       call stream%pass(self%power)
+      call stream%pass(self%lasted)
       call stream%pass(self%missed)
    end subroutine pass_clock
 end module lopin_state

@@ -6,7 +6,8 @@
 !> what it pressed on the die in the end was off by 7 %. By the trapezoidal rule the plastic work
 !> that is missed is half the fall of the power times the length, so that it goes with the square of
 !> the length. The next increment is as long as leaves that below half a per cent of all plastic
-!> work. Power that rises misses nothing: what flows on ends where its strains end.
+!> work. Power that rises misses nothing: what flows on ends where its strains end. An increment much
+!> shorter than the one after it (at rest, in a jump) says nothing of how power falls over that.
 module lopin_falling_power
    use lopin_kinds, only : wp
    use lopin_state, only : state_type
@@ -16,6 +17,8 @@ module lopin_falling_power
 
    !> Plastic work that an increment may miss, beside all of it; least part of the last increment.
    real(wp), parameter :: most_missed = 0.005_wp, least_part = 0.3_wp
+   !> Times its length, how far ahead the power of an increment counts.
+   real(wp), parameter :: ahead = 3.0_wp
 
 contains
 
@@ -28,9 +31,11 @@ contains
       associate (clock => accepted%clock)
          power = (accepted%solids%work - clock%worked)/length
          clock%missed = 0.0_wp
-         if (clock%number > 1) clock%missed = max(0.0_wp, 0.5_wp*(clock%power - power)*length)
+         if (clock%number > 1) clock%missed = max(0.0_wp, 0.5_wp*(clock%power - power) &
+            & *min(length, ahead*clock%lasted))
          clock%worked = accepted%solids%work
          clock%power = power
+         clock%lasted = length
       end associate
    end subroutine note_power
 
