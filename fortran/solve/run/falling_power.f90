@@ -4,10 +4,11 @@
 !> unloads, each at a time of its own between two ends, and what it would have flowed until then is
 !> missed: a sheet that is lifted off its die by a pressure that goes was bent by 2 % less, and
 !> what it pressed on the die in the end was off by 7 %. By the trapezoidal rule the plastic work
-!> that is missed is half the fall of the power times the length, so that it goes with the square of
-!> the length. The next increment is as long as leaves that below half a per cent of all plastic
-!> work. Power that rises misses nothing: what flows on ends where its strains end. An increment much
-!> shorter than the one after it (at rest, in a jump) says nothing of how power falls over that.
+!> that is missed is half the fall of the power times the length, so that it goes with the square
+!> of the length. The next increment is as long as leaves that below half a per cent of all
+!> plastic work. Power that rises misses nothing: what flows on ends where its strains end. An
+!> increment much shorter than the one after it (at rest, in a jump) says nothing of how power
+!> falls over that.
 module lopin_falling_power
    use lopin_kinds, only : wp
    use lopin_state, only : state_type
