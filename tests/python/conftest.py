@@ -10,8 +10,6 @@ from sheet import SHEET, Row
 ROOT = Path(__file__).resolve().parents[2]
 # What is tested: a missing executable fails its tests, it skips none.
 os.environ.setdefault("LOPIN_EXECUTABLE", str(ROOT/"build"/"lopin"))
-#: A folder in which processes beside each other mark the files that they run (`./bootstrap test`).
-DEAL = os.environ.pop("LOPIN_DEAL", None)
 #: Files of the fast loop: a second and a half each at most, and together something of every area.
 FAST = set("""
     area_growth bad_decks closed_form codes cut_back damaged_results deep_tools feature_steps
@@ -38,36 +36,6 @@ def pytest_collection_modifyitems(items):
     for item in items:
         if item.path.stem.removeprefix("test_") in FAST:
             item.add_marker("fast")
-
-
-def dealt(items, folder):
-    """Tests of the files that no other process has taken before; a file is marked as it is."""
-    files = {}
-    for item in items:
-        files.setdefault(item.path, []).append(item)
-    for path, tests in files.items():
-        try:
-            (folder/path.name).touch(exist_ok=False)
-        except FileExistsError:
-            continue
-        yield from tests
-
-
-def pytest_runtestloop(session):
-    """Run what this process is dealt, where several share the tests out."""
-    if DEAL is None or session.testsfailed or session.config.option.collectonly:
-        return None
-    tests = dealt(session.items, Path(DEAL))
-    item = next(tests, None)
-    while item is not None:
-        following = next(tests, None)
-        item.config.hook.pytest_runtest_protocol(item=item, nextitem=following)
-        if session.shouldfail:
-            raise session.Failed(session.shouldfail)
-        if session.shouldstop:
-            raise session.Interrupted(session.shouldstop)
-        item = following
-    return True
 
 
 @pytest.fixture(scope="session")
