@@ -15,6 +15,7 @@ from .files import cannot_write, whole_file
 Value = float | int | str | None
 #: A line that begins a block.
 _HEAD = re.compile(r"^[ \t]*\*(?!\*).*", re.M)
+_NUMBERS = {int, float}
 
 
 class Row(list):
@@ -35,6 +36,9 @@ class Row(list):
     def text(self) -> str:
         if self._text is not None and self == self._read:
             return self._text
+        if _NUMBERS.issuperset(map(type, self)):   # all at once
+            text = list.__repr__(self)[1:-1].replace(".0,", ".,")
+            return text[:-1] if text.endswith(".0") else text
         return ", ".join([_field(v) for v in self])
 
 
