@@ -30,7 +30,7 @@ class FirstMap(FormingMap):
         """The values of x and y: places in FIRST and STRAINS."""
         if small:
             at = self.panels.index(panel) % 2
-            return np.array([0, 5])[at:at if "bend" in panel else at + 1], np.array([3])
+            return np.array([0, 5])[at:at + ("bend" not in panel)], np.array([3])
         return np.arange(len(FIRST)), np.arange(len(STRAINS))
 
     def scene(self, panel: str, x: float, y: float, frame: Frame = PLAIN, folder=None) -> Built:
