@@ -158,7 +158,13 @@ def check_deck(text: str, name: str, folder: str,
 
 def keywords() -> list[dict]:
     """Rows of the deck language: name, status, parameters, data, sentence, example."""
-    return json.loads(_text(0, "keywords"))
+    return json.loads(_keywords())
+
+
+@cache
+def _keywords() -> str:
+    """The table never changes, and is long."""
+    return _text(0, "keywords")
 
 
 def echo(values: ArrayLike) -> NDArray:

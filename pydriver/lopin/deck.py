@@ -15,6 +15,7 @@ from .files import cannot_write, whole_file
 Value = float | int | str | None
 #: A line that begins a block.
 _HEAD = re.compile(r"^[ \t]*\*(?!\*).*", re.M)
+_NUMBERS = {int, float}
 
 
 class Row(list):
@@ -35,6 +36,9 @@ class Row(list):
     def text(self) -> str:
         if self._text is not None and self == self._read:
             return self._text
+        if _NUMBERS.issuperset(map(type, self)):   # all at once
+            text = list.__repr__(self)[1:-1].replace(".0,", ".,")
+            return text[:-1] if text.endswith(".0") else text
         return ", ".join([_field(v) for v in self])
 
 
@@ -55,8 +59,23 @@ class Block:
                  data: Iterable[Iterable[Value]] = (), *, text: str | None = None):
         self.keyword = keyword.lstrip("*").upper()
         self.parameters = dict(parameters or {})
-        self.lines: list[Row | str] = [Row(row) for row in data]
+        self._lines: list[Row | str] = [Row(row) for row in data]
+        self._unread: list[str] = []   # lines of a text behind these: most are written as they are
         self._text, self._read = text, (self.keyword, dict(self.parameters))
+
+    @property
+    def lines(self) -> list[Row | str]:
+        if self._unread:
+            words = self._read[0] == "HEADING"
+            for line in self._unread:
+                is_text = words or not (bare := line.strip()) or bare.startswith("**")
+                self._lines.append(line if is_text else Row.read(line))
+            self._unread = []
+        return self._lines
+
+    @lines.setter
+    def lines(self, lines: list[Row | str]) -> None:
+        self._lines, self._unread = lines, []
 
     @property
     def data(self) -> list[Row]:
@@ -72,8 +91,8 @@ class Block:
         return ", ".join(words)
 
     def text(self) -> str:
-        lines = [line.text() if isinstance(line, Row) else line for line in self.lines]
-        return "\n".join([self.head(), *lines])
+        lines = [line.text() if isinstance(line, Row) else line for line in self._lines]
+        return "\n".join([self.head(), *lines, *self._unread])
 
     def __repr__(self) -> str:
         return f"Block({self.head()!r}, {len(self.data)} lines)"
@@ -114,21 +133,20 @@ class Deck:
         lines = text.replace("\r\n", "\n").split("\n")
         if lines and not lines[-1]:
             lines.pop()
-        while lines:
-            line = lines.pop(0)
+        here, own = 0, deck.preamble   # what is read next, and to what it is added
+        while here < len(lines):
+            line = lines[here]
+            here += 1
             stripped = line.strip()
             if stripped.startswith("*") and not stripped.startswith("**"):
-                while stripped.endswith(",") and (more := _goes_on(lines)):
-                    line += "\n" + "\n".join(lines[:more])
-                    del lines[:more]
+                while stripped.endswith(",") and (more := _goes_on(lines, here)):
+                    line += "\n" + "\n".join(lines[here:here + more])
+                    here += more
                     stripped = line.strip()
                 deck.blocks.append(_block(line))
-            elif not deck.blocks:
-                deck.preamble.append(line)
+                own = deck.blocks[-1]._unread
             else:
-                block = deck.blocks[-1]
-                is_text = not stripped or stripped.startswith("**") or block.keyword == "HEADING"
-                block.lines.append(line if is_text else Row.read(line))
+                own.append(line)
         return deck
 
     def text(self) -> str:
@@ -195,13 +213,13 @@ def heads(text: str) -> Iterator[Block]:
         found = after
 
 
-def _goes_on(lines: list[str]) -> int:
-    """How many of these lines a keyword line that ends with a comma goes on in: comments, and one
-    with parameters; 0: none."""
-    for k, line in enumerate(lines):
-        stripped = line.strip()
+def _goes_on(lines: list[str], start: int) -> int:
+    """How many of the lines from `start` on a keyword line that ends with a comma goes on in:
+    comments, and one with parameters; 0: none."""
+    for k in range(start, len(lines)):
+        stripped = lines[k].strip()
         if stripped and not stripped.startswith("**"):
-            return 0 if stripped.startswith("*") else k + 1
+            return 0 if stripped.startswith("*") else k - start + 1
     return 0
 
 

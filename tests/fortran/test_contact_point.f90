@@ -132,7 +132,7 @@ contains
       integer, intent(in) :: draw
       real(wp), parameter :: h = 3.0e-5_wp, far(4) = [-2.0_wp, -1.0_wp, 1.0_wp, 2.0_wp], &
          & share(4) = [1.0_wp, -8.0_wp, 8.0_wp, -1.0_wp]/12.0_wp
-      integer, parameter :: nway = 6           ! none of them leaves out an entry of the matrix
+      integer, parameter :: nway = 3           ! none of them leaves out an entry of the matrix
       real(wp) :: u(scene%dofs%n), value(scene%dofs%n), x(scene%dofs%n + scene%ndim)
       real(wp), dimension(scene%dofs%n + scene%ndim, scene%dofs%n + scene%ndim) :: k, spring
       real(wp), dimension(scene%dofs%n + scene%ndim, nway) :: way, difference, slope

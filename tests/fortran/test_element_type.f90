@@ -2,6 +2,7 @@ program test_element_type
    use lopin_kinds, only : wp
    use lopin_element_type, only : element_type, element_words, element_kind, element_formulation, &
       & new_element_type
+   use distinct_elements, only : stands_for_another
    use check, only : test, close_to, is_true, equal_text, finish
    implicit none
    type(element_type) :: element
@@ -16,6 +17,7 @@ program test_element_type
    end do
    call words_mean_what_abaqus_says()
    call variants_say_how_they_are_read()
+   call some_words_stand_for_another()
    call finish()
 
 contains
@@ -88,4 +90,19 @@ contains
       call new_element_type(element, 'C3D10I', '', found)
       call is_true(element%note, index(element%note, 'incompatible') > 0)
    end subroutine variants_say_how_they_are_read
+
+   !> Hybrids, modified ones, reduced integration of first order, and modes of tetrahedra.
+   subroutine some_words_stand_for_another()
+      character(len=*), parameter :: others(6) = [character(len=7) :: 'CPE4R', 'CPS4R', 'CAX4R', &
+         & 'C3D6R', 'C3D8R', 'C3D10I']
+      character(len=:), allocatable :: word
+      integer :: k
+
+      call test('which words stand for another')
+      do k = 1, size(element_words)
+         word = trim(element_words(k))
+         call is_true(word, stands_for_another(word, '') .eqv. (any(others == word) &
+            & .or. scan(word(len(word):), 'HM') > 0))
+      end do
+   end subroutine some_words_stand_for_another
 end program test_element_type

@@ -178,7 +178,7 @@ contains
 
    subroutine rows()
       character(len=:), allocatable :: name
-      integer, parameter :: nway = 6           ! none of them leaves out an entry of the matrix
+      integer, parameter :: nway = 3           ! none of them leaves out an entry of the matrix
       real(wp), allocatable :: way(:, :), difference(:, :)
       logical :: turns, smooth
       integer :: try

@@ -481,7 +481,7 @@ contains
       real(wp) :: x(3, 8), y(3, 8), time(2)
       integer(lk) :: from, to, rate
       integer :: i, k, pass
-      integer, parameter :: runs = 2000
+      integer, parameter :: runs = 200
 
       do i = 1, 4
          x = flat_facet(faces(i), .true., 0.1_wp, 0.0_wp)

@@ -280,7 +280,7 @@ contains
       type(mortar_row_type), allocatable :: before(:), row(:), moved(:)
       real(wp), parameter :: w(4) = [1.0_wp, -8.0_wp, 8.0_wp, -1.0_wp]/12.0_wp
       real(wp), parameter :: h = 5.0e-5_wp
-      real(wp), allocatable :: force(:), k(:, :), slope(:, :), difference(:), other(:, :)
+      real(wp), allocatable :: force(:), k(:, :), slope(:, :), difference(:)
       real(wp) :: slip(3), turn(3, 3), way(3), start(3, size(x, 2))
       integer, allocatable :: topology(:)
       integer :: a, at, i, m, n, q
@@ -303,9 +303,10 @@ contains
       call slip_of_row(row(m), before(m), x, slip, slope)
       call close_to('the slip of the slave', slip/norm2(way), way/norm2(way), 0.2_wp)
       n = 3*size(x, 2)
-      allocate (force(n), k(n, n), other(n, n), difference(n))
+      allocate (force(n), k(n, n), difference(n))
       call press(row, before, force, k)
-      topology = row%topology
+      call find_rows(moved, .false., before)
+      topology = moved%topology
       do a = 1, 3
          call close_to('equilibrium', sum(force(a::3)), 0.0_wp, 1.0e-12_wp)
       end do
@@ -316,8 +317,8 @@ contains
          i = 1 + mod(a - 1, 3)
          do q = 1, 4
             x(i, at) = x(i, at) + h*real(merge(q - 3, q - 2, q < 3), wp)
-            call find_rows(moved, .true., before)
-            call press(moved, before, force, other)
+            call find_rows(moved, .false., before)
+            call press(moved, before, force)
             x(i, at) = x(i, at) - h*real(merge(q - 3, q - 2, q < 3), wp)
             difference = difference - w(q)/h*force
             kink = kink .or. any(moved%topology /= topology)
@@ -330,23 +331,38 @@ contains
       x = start
    end subroutine forces_follow
 
-   !> A normal and a tangential spring at every row: forces at all nodes, and their tangent.
+   !> A normal and a tangential spring at every row: forces at all nodes, and their tangent, for which
+   !> rows have slopes.
    subroutine press(row, before, force, k)
       type(mortar_row_type), intent(in) :: row(:), before(:)
-      real(wp), intent(out) :: force(:), k(:, :)
+      real(wp), intent(out) :: force(:)
+      real(wp), intent(out), optional :: k(:, :)
       real(wp), allocatable :: f(:), df(:, :), slope(:, :)
-      real(wp) :: slip(3)
+      real(wp) :: slip(3), traction(3)
       integer, allocatable :: dof(:)
       integer :: r, a, n
 
       force = 0.0_wp
-      k = 0.0_wp
+      if (present(k)) k = 0.0_wp
       do r = 1, size(row)
          n = 3*size(row(r)%of)
+         if (.not. present(k)) then
+            allocate (slope(3, n))
+            call slip_of_row(row(r), before(r), x, slip, slope)
+            deallocate (slope)
+            traction = (0.4_wp - row(r)%gap)*row(r)%normal - 2.0_wp*slip
+            do a = 1, n
+               associate (at => 3*row(r)%of((a + 2)/3) - 2 + mod(a - 1, 3))
+                  force(at) = force(at) + row(r)%c((a + 2)/3)*traction(1 + mod(a - 1, 3))
+               end associate
+            end do
+            cycle
+         end if
          allocate (f(n), df(n, n), slope(3, n))
          dof = [(3*row(r)%of((a + 2)/3) - 2 + mod(a - 1, 3), a=1, n)]
          call slip_of_row(row(r), before(r), x, slip, slope)
-         call forces_of_row(row(r), (0.4_wp - row(r)%gap)*row(r)%normal - 2.0_wp*slip, &
+         traction = (0.4_wp - row(r)%gap)*row(r)%normal - 2.0_wp*slip
+         call forces_of_row(row(r), traction, &
             & (0.4_wp - row(r)%gap)*row(r)%normal_slope - spread(row(r)%normal, 2, n) &
             & *spread(row(r)%gap_slope, 1, 3) - 2.0_wp*slope, f, df)
          force(dof) = force(dof) + f

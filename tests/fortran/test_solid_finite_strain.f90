@@ -6,6 +6,7 @@ program test_solid_finite_strain
    use lopin_solid_small, only : stiffness
    use lopin_hyperelastic, only : solid_law_type, hencky_law, green_law, neo_hooke_law
    use element_calls, only : element_at, stresses_at
+   use distinct_elements, only : stands_for_another
    use blocks, only : random
    use check, only : test, close_to, is_true, finish
    implicit none
@@ -23,6 +24,7 @@ program test_solid_finite_strain
       & neo_hooke_law(0.5_wp*shear, 2.0_wp/bulk)]
    do i = 1, size(element_words)
       do j = 1, size(wishes)
+         if (stands_for_another(trim(element_words(i)), merge(wishes(j), '    ', j < 3))) cycle
          call new_element_type(element, trim(element_words(i)), wishes(j), found)
          if (j == 3) then
             call new_element_type(element, trim(element_words(i)), '', found)
@@ -95,29 +97,32 @@ contains
 
    !> Against central differences of fourth order.
    subroutine tangent_is_the_slope_of_the_force()
-      real(wp), dimension(element%ndim, element%nnode) :: x, u, moved
+      integer, parameter :: nway = 4           ! none of them leaves out an entry of the matrix
+      real(wp), dimension(element%ndim, element%nnode) :: x, u, way
       real(wp) :: ke(element%ndof, element%ndof), force(element%ndof), energy, f(element%ndof, 4)
-      real(wp) :: slope(element%ndof, element%ndof)
-      real(wp), parameter :: step = 1.0e-3_wp, place(4) = [-2.0_wp, -1.0_wp, 1.0_wp, 2.0_wp]
-      integer :: bad, a, k, s
+      real(wp), dimension(element%ndof, nway) :: slope, found_
+      real(wp), parameter :: step = 2.0e-4_wp, place(4) = [-2.0_wp, -1.0_wp, 1.0_wp, 2.0_wp]
+      integer :: bad, a, k, s, w, seed
 
       call test('the tangent is the slope of the force: '//element%word//wishes(j))
       x = distorted()
       u = wild()
       call element_at(.true., element, law, x, u, thickness, memory, 1.0_wp, force, energy, bad, ke)
       call is_true('not inside out', bad == 0)
-      do a = 1, element%nnode
-         do k = 1, element%ndim
-            do s = 1, 4
-               moved = u
-               moved(k, a) = moved(k, a) + step*place(s)
-               call force_at(x, moved, f(:, s))
+      seed = 41
+      do w = 1, nway
+         do a = 1, element%nnode
+            do k = 1, element%ndim
+               call random(seed, way(k, a))
             end do
-            slope(:, element%ndim*(a - 1) + k) = (f(:, 1) - 8.0_wp*f(:, 2) + 8.0_wp*f(:, 3) &
-               & - f(:, 4))/(12.0_wp*step)
          end do
+         do s = 1, 4
+            call force_at(x, u + step*place(s)*way, f(:, s))
+         end do
+         slope(:, w) = (f(:, 1) - 8.0_wp*f(:, 2) + 8.0_wp*f(:, 3) - f(:, 4))/(12.0_wp*step)
+         found_(:, w) = matmul(ke, reshape(way, [element%ndof]))
       end do
-      call close_to('ke', ke/maxval(abs(ke)), slope/maxval(abs(ke)), 1.0e-8_wp)
+      call close_to('ke', found_/maxval(abs(ke)), slope/maxval(abs(ke)), 1.0e-8_wp)
       call close_to('symmetry', maxval(abs(ke - transpose(ke))), 0.0_wp, 0.0_wp)
       call force_at(x, u, f(:, 1))
       call close_to('force alone', maxval(abs(f(:, 1) - force)), 0.0_wp, 0.0_wp)

@@ -7,6 +7,7 @@ program test_solid_flow
    use lopin_hyperelastic, only : solid_law_type, hencky_law, give_flow
    use lopin_material_memory, only : memory_size, strain_at
    use element_calls, only : element_at, remember_at
+   use distinct_elements, only : stands_for_another
    use blocks, only : random
    use check, only : test, close_to, is_true, finish
    implicit none
@@ -19,6 +20,7 @@ program test_solid_flow
    integer :: i, j, k
 
    do i = 1, size(element_words)
+      if (stands_for_another(trim(element_words(i)), '')) cycle
       call new_element_type(element, trim(element_words(i)), '', found)
       if (element%kind == element_kind%rigid .or. element%kind == element_kind%plane_stress) cycle
       if (element%projectable) element%formulation = element_formulation%projected
@@ -113,27 +115,30 @@ contains
 
    !> Against central differences of fourth order.
    subroutine tangent_is_the_slope_of_the_force()
-      real(wp), dimension(element%ndim, element%nnode) :: u, moved
+      integer, parameter :: nway = 4           ! none of them leaves out an entry of the matrix
+      real(wp), dimension(element%ndim, element%nnode) :: u, way
       real(wp) :: ke(element%ndof, element%ndof), force(element%ndof), f(element%ndof, 4)
-      real(wp) :: slope(element%ndof, element%ndof)
-      real(wp), parameter :: step = 2.0e-4_wp, place(4) = [-2.0_wp, -1.0_wp, 1.0_wp, 2.0_wp]
-      integer :: a, m, s
+      real(wp), dimension(element%ndof, nway) :: slope, found_
+      real(wp), parameter :: step = 1.0e-4_wp, place(4) = [-2.0_wp, -1.0_wp, 1.0_wp, 2.0_wp]
+      integer :: a, m, s, w, seed
 
       call test('under flow the tangent is the slope of the force: '//name_of())
       u = strained()
       call force_at(u, force, ke)
-      do a = 1, element%nnode
-         do m = 1, element%ndim
-            do s = 1, 4
-               moved = u
-               moved(m, a) = moved(m, a) + step*place(s)
-               call force_at(moved, f(:, s))
+      seed = 41
+      do w = 1, nway
+         do a = 1, element%nnode
+            do m = 1, element%ndim
+               call random(seed, way(m, a))
             end do
-            slope(:, element%ndim*(a - 1) + m) = (f(:, 1) - 8.0_wp*f(:, 2) + 8.0_wp*f(:, 3) &
-               & - f(:, 4))/(12.0_wp*step)
          end do
+         do s = 1, 4
+            call force_at(u + step*place(s)*way, f(:, s))
+         end do
+         slope(:, w) = (f(:, 1) - 8.0_wp*f(:, 2) + 8.0_wp*f(:, 3) - f(:, 4))/(12.0_wp*step)
+         found_(:, w) = matmul(ke, reshape(way, [element%ndof]))
       end do
-      call close_to('ke', ke/maxval(abs(ke)), slope/maxval(abs(ke)), 1.0e-8_wp)
+      call close_to('ke', found_/maxval(abs(ke)), slope/maxval(abs(ke)), 1.0e-8_wp)
       call close_to('symmetry', maxval(abs(ke - transpose(ke))), 0.0_wp, 0.0_wp)
    end subroutine tangent_is_the_slope_of_the_force
 

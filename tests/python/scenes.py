@@ -42,8 +42,12 @@ class Scene:
     output: str = "*NODE FILE\nU, RF\n*EL FILE\nS\n*CONTACT FILE\nCDIS, CSTR\n"
 
     def but(self, **changes) -> Scene:
-        """A copy with other fields."""
-        new = copy.deepcopy(self)
+        """A copy with other fields. Places and nodes of elements are shared: nobody writes into them."""
+        new = copy.copy(self)
+        for name, value in vars(self).items():
+            if isinstance(value, dict):
+                value = {k: list(v) if isinstance(v, list) else v for k, v in value.items()}
+            setattr(new, name, list(value) if isinstance(value, list) else value)
         for name, value in changes.items():
             setattr(new, name, value)
         return new

@@ -92,10 +92,10 @@ def test_a_map_goes_on_where_its_table_ends(tmp_path):
 
 def test_the_command_draws(tmp_path, capsys):
     pytest.importorskip("matplotlib")
-    assert main(["atlas", "--map", "2", "--small", "-o", str(tmp_path)]) == 0
+    assert main(["atlas", "--map", "5", "--small", "-o", str(tmp_path)]) == 0
     assert "0 F1 (wrong and silent)" in capsys.readouterr().out
-    assert (tmp_path/"map_2_uzawa.svg").stat().st_size > 10000
-    assert (tmp_path/"map_2_uzawa.csv").is_file()
+    assert (tmp_path/"map_5_tresca.svg").stat().st_size > 10000
+    assert (tmp_path/"map_5_tresca.csv").is_file()
 
 
 @pytest.mark.parametrize("word", ["CPE8", "C3D10", "C3D20R"])

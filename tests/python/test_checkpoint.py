@@ -18,6 +18,9 @@ from test_cut_back import pulled
 from test_friction_laws import block
 from test_contact_candidates import crown
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]/"decks"/"make"))
+import sliding  # noqa: E402
+
 NX, NY = 8, 4
 
 
@@ -146,8 +149,8 @@ SCENES = {
     "tied by mortar": tied,
     "die of facets": lambda: pressed("CPE4", 1.57, 0.0, path="FINITE", mu=0.2, slide=3.0).text(),
     "die of facets, condensed": lambda: pressed("CPE4", 1.57, 0.0, mu=0.2, slide=3.0).text(),
-    "self-contact": lambda: deck("crushed_ring").replace("0.02, 1., 1.E-6, 0.02",
-                                                         "0.04, 1., 1.E-6, 0.04"),
+    "self-contact": lambda: sliding.crushed_ring((2, 48)).replace("0.02, 1., 1.E-6, 0.02",
+                                                                  "0.04, 1., 1.E-6, 0.04"),
     "large rotation": lambda: deck("elastica"),
     "cut back and stopped": lambda: pulled(0.4),
 }

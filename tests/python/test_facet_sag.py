@@ -57,7 +57,7 @@ def rise(deck):
 @pytest.mark.parametrize("word, cells", [("CPE4I", (14, 20)), ("CPE8R", (10, 20))])
 def test_the_rise_tells_what_facets_make_of_a_force(word, cells):
     """Facets of a third to two thirds of the radius beside short ones."""
-    (_, fine), right = rise(pressed_home(word, 3.0, {"CPE4I": 56, "CPE8R": 28}[word]))
+    (_, fine), right = rise(pressed_home(word, 3.0, {"CPE4I": 42, "CPE8R": 28}[word]))
     told = [rise(pressed_home(word, 3.0, n)) for n in cells]
     assert all(code == "W0562" for (code, _), _ in told)
     for (_, coarse), force in told:

@@ -41,10 +41,10 @@ def finer(monkeypatch):
                                                            ("CPE4I", 1.0, 0.15, 3)])
 def test_facets_that_leave_a_radius_one_by_one_are_told(word, thickness, least, times, finer):
     """A flange over a radius of five facets, and of ten or fifteen: the waves get lower."""
-    (code, coarse, span), = waves(flanged, word, thickness, 0.0, (0.01, 0.01))[0]
+    (code, coarse, span), = waves(flanged, word, thickness, 0.0, (0.02, 0.02))[0]
     assert code == "W0561" and coarse > 100.0*least and 0.3 < span < 3.0
     finer(times)
-    said, _ = waves(flanged, word, thickness, 0.0, (0.01, 0.01))
+    said, _ = waves(flanged, word, thickness, 0.0, (0.02, 0.02))
     assert not said or said[0][1] < 0.5*coarse
 
 

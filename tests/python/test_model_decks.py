@@ -19,7 +19,8 @@ DECKS = sorted((p for p in (ROOT/"decks").glob("*.inp")
 LONG = {"rough_punch", "lifted_beam", "sliding_ball", "ring_compression", "folded_strip",
         "crushed_ring", "closed_die", "ironing", "upset_tetra", "wire_drawing", "rotating_rings",
         "capstan", "v_bending", "cup", "square_cup", "upsetting", "cattaneo", "wrapped_strip", "cross",
-        "bending_unbending", "drawbead", "ball_on_ball", "beam_over_corner", "nafems_punch"}
+        "bending_unbending", "drawbead", "ball_on_ball", "ball_of_facets", "beam_over_corner",
+        "nafems_punch", "hertz_sphere_3d"}
 
 
 def flat(deck):
@@ -39,6 +40,9 @@ def shortened(deck, part=0.002):
         elif block.keyword == "AMPLITUDE":
             flat_rows = [v for row in block.data for v in row if v is not None]
             block.lines = [lopin.deck.Row([*flat_rows[:2], flat_rows[-2], flat_rows[-1]*part])]
+        elif block.keyword == "CLOAD" and "AMPLITUDE" not in block.parameters:
+            for row in block.data:
+                row[2] *= part
         elif block.keyword == "BOUNDARY" and inside and "AMPLITUDE" not in block.parameters:
             for row in block.data:
                 row[3:] = [v*part for v in row[3:]]

@@ -175,17 +175,17 @@ def test_new_meshes_are_good_and_on_the_tool(core, tmp_path):
 
 
 def test_a_killed_run_goes_on_to_the_same_bits(core, tmp_path):
-    """Killed at moments that fall into parts and between them; then a replay without a mesher."""
-    scene = block("CAX4", mu=0.2, travel=-2.0, card="PERIOD=.2, STRAIN=10., SIZE=.8")
+    """Killed at a moment that falls anywhere (tests of kills have every phase); then a replay without
+    a mesher."""
+    scene = block("CAX4", mu=0.2, travel=-1.5, card="PERIOD=.25, STRAIN=10., SIZE=.8", increments=12)
     scene.write(tmp_path/"block.inp")
     run(scene, tmp_path/"whole")
     command = [sys.executable, "-m", "lopin", "run", str(tmp_path/"block.inp"), "--resume", "-o"]
-    for seconds in (0.7, 1.1):
-        process = subprocess.Popen([*command, str(tmp_path/"killed")], stdout=subprocess.DEVNULL,
-                                   stderr=subprocess.DEVNULL)
-        time.sleep(seconds)
-        process.send_signal(signal.SIGKILL)
-        process.wait()
+    process = subprocess.Popen([*command, str(tmp_path/"killed")], stdout=subprocess.DEVNULL,
+                               stderr=subprocess.DEVNULL)
+    time.sleep(0.9)
+    process.send_signal(signal.SIGKILL)
+    process.wait()
     done = subprocess.run([*command, str(tmp_path/"killed")], capture_output=True, text=True,
                           check=True)
     assert "remeshes" in done.stdout

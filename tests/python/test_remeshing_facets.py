@@ -53,10 +53,10 @@ def swapped(line):
 
 def test_a_ridge_of_triangles_presses_over_new_meshes_as_the_arc_does(core, tmp_path):
     """force, volume, planes, and nodes on the triangles."""
-    card = "SIZE=1.4, SMALLEST=.8, PERIOD=.4, STRAIN=10., PENETRATION=10."
+    card = "SIZE=1.6, SMALLEST=1., PERIOD=.4, STRAIN=10., PENETRATION=10."
     force = {}
     for facets in (0, 90):
-        report = run(ridge(tmp_path, facets, card, increments=10), tmp_path/f"of{facets}")
+        report = run(ridge(tmp_path, facets, card, travel=-1.2, increments=10), tmp_path/f"of{facets}")
         assert len(report.remeshes) >= 2 and report.verdict()[0] != "FAIL"
         assert max(abs(r.moved["volume_change"]) for r in report.remeshes) < 1e-12
         found = history(tmp_path/f"of{facets}", "ridge")
@@ -83,7 +83,7 @@ def seated_and_held(deck):
 def test_facets_as_small_as_they_may_be_are_no_reason_for_a_new_mesh(core, tmp_path):
     """Middles of edges of 1.2 are h/8R = 0.04 to 0.08 inside the arc, on any new mesh."""
     card = "SIZE=1.2, SMALLEST=1.2, PENETRATION=.03, STRAIN=.5"
-    report = run(ridge(tmp_path, 90, card, increments=10), tmp_path)
+    report = run(ridge(tmp_path, 90, card, travel=-1.2, increments=8), tmp_path)
     assert 1 <= len(report.remeshes) <= 3
     assert all("inside a tool" not in r.reason for r in report.remeshes)
 

@@ -176,10 +176,10 @@ def test_metres_give_what_millimetres_do(word, core, tmp_path):
     if word == "C3D4":
         pytest.importorskip("mmgpy")
     size = {"CAX4": "SIZE=.9, SMALLEST=.3, PERIOD=.2",
-            "C3D4": "SIZE=1.5, SMALLEST=1., PERIOD=.4"}[word]
+            "C3D4": "SIZE=1.5, SMALLEST=1., PERIOD=.3"}[word]
     card = f"{size}, STRAIN=10."
-    scene = block(word, card=card, travel=-1.5 if word == "CAX4" else -1.0, mu=0.1,
-                  increments=10)
+    scene = block(word, card=card, travel=-1.5 if word == "CAX4" else -0.8, mu=0.1,
+                  increments=10 if word == "CAX4" else 8)
     run(scene, tmp_path/"mm")
     report = run(in_metres(scene), tmp_path/"m")
     mm, m = (history(tmp_path/name, "block") for name in ("mm", "m"))

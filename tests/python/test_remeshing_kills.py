@@ -66,8 +66,8 @@ def test_a_run_killed_in_every_phase_goes_on_to_the_same_bits(word, core, tmp_pa
     """One run, killed once in each phase in turn and resumed by the next."""
     if word == "C3D4":
         pytest.importorskip("mmgpy")
-    card = "PERIOD=.4, STRAIN=10., SIZE=.8" if word == "CAX4" else "PERIOD=.4, STRAIN=10."
-    scene = block(word, mu=0.2 if word == "CAX4" else 0.0, travel=-2.0, card=card, increments=10)
+    card = "PERIOD=.5, STRAIN=10., SIZE=.8" if word == "CAX4" else "PERIOD=.5, STRAIN=10."
+    scene = block(word, mu=0.2 if word == "CAX4" else 0.0, travel=-1.6, card=card, increments=8)
     scene.write(tmp_path/"block.inp")
     run(scene, tmp_path/"whole")
     # What does not depend on the space is killed in the plane.

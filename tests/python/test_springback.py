@@ -30,14 +30,13 @@ def wiped(thickness, finer, monkeypatch):
     return np.ptp(moved[:, 1]), *(said or [("", 0.05)])[0]
 
 
-@pytest.mark.parametrize("thickness, codes", [(0.25, ["W0522", "W0522"]),
-                                              (2.0, ["W0522", "W0522"])])
-def test_a_strip_that_bends_point_by_point_is_told_with_a_figure(thickness, codes, monkeypatch):
+@pytest.mark.parametrize("thickness, meshes", [(0.25, (1, 2, 3)), (2.0, (1, 3))])
+def test_a_strip_that_bends_point_by_point_is_told_with_a_figure(thickness, meshes, monkeypatch):
     """Facets of four thicknesses to a sixth of one, in increments that no longer matter."""
-    found = [wiped(thickness, finer, monkeypatch) for finer in (1, 2, 3)]
+    found = [wiped(thickness, finer, monkeypatch) for finer in meshes]
     right = found[-1][0]
-    for (springback, code, bound), expected in zip(found[:2], codes):
-        assert code == expected
+    for springback, code, bound in found[:-1]:
+        assert code == "W0522"
         assert abs(springback/right - 1.0) < 1.25*bound
 
 
@@ -61,7 +60,7 @@ def test_a_twentieth_of_what_comes_free_is_told_one_way_or_the_other(monkeypatch
     """Two paths, 46 or 47 increments by the last bits, lose 4 or 5.7 % of the energy; both are off
     by 5 % and told, by what fell and rose again if not by what is lost."""
     monkeypatch.setattr(metal, "MOST", 2000)
-    right, _ = released(flanged, 0.25, (0.005, 0.005), 0.1)
+    right, _ = released(flanged, 0.25, (0.01, 0.01), 0.1)
     coarse, said = released(flanged, 0.25, (), 0.1)
     assert 0.01 < np.linalg.norm(coarse - right)/np.linalg.norm(right) < 0.1
     assert {"W0518", "W0522"} <= set(said)

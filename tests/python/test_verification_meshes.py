@@ -1,4 +1,4 @@
-"""The patch test against meshes that do not match, surface to surface: every element word as slave,
+"""The patch test against meshes that do not match, surface to surface: every element as slave,
 straight and turned, both paths, all four methods, and a limited shear whose moment the sides
 balance."""
 import lopin
@@ -10,7 +10,6 @@ from test_verification_tools import BOTH, WORDS
 
 CASE = "B7 patch test between meshes, surface to surface: "
 PLANE = [w for w in WORDS if not (is_solid(w) or w.startswith("CAX"))]
-SPACE = [w for w in WORDS if is_solid(w)]
 #: What all ratios are solved for on both paths here; the others take turns.
 CHOSEN = ("CPE4", "CPE8")
 
@@ -40,12 +39,12 @@ def test_all_ratios(run, sheet, word, path, ratio):
 
 
 @pytest.mark.parametrize("word, path", [b for b in BOTH if b[0] in PLANE and b[0] not in CHOSEN])
-def test_every_plane_word(run, sheet, word, path):
+def test_every_plane_element(run, sheet, word, path):
     compare(run, sheet, word, path, "4:7")
 
 
-@pytest.mark.parametrize("word", SPACE)
-def test_every_solid_word(run, sheet, word):
+@pytest.mark.parametrize("word", [w for w, path in BOTH if is_solid(w) and not path])
+def test_every_solid_element(run, sheet, word):
     compare(run, sheet, word, "", "3:4")
 
 
