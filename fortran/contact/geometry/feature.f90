@@ -4,11 +4,19 @@
 !> to its Voronoi region: the normal is the direction to the point, and the angle-weighted normal
 !> of the edge or corner tells the side (Baerentzen and Aanaes 2005). On the perimeter the facet
 !> goes on by a fraction of its size, and then ends.
+!>
+!> Across its sharp edges a skin goes on with walls, and a slave that looks along a wall is not
+!> opposite it. To such a slave the edge is a perimeter for what lies on the facet continued there,
+!> or in it: nodes of a body flush with the wall, beside it by rounding or as the two bulge. What
+!> stands off the facet by more than it lies beside it is in the Voronoi region of the edge; what is
+!> in it deeply lies beside the wall.
 module lopin_feature
    use lopin_kinds, only : wp
    use lopin_projection, only : closest_type, place, project_on_facet, facet_unit_normal, edge_ends
+   use lopin_cells, only : cell_family
    use lopin_facet_basis, only : shape_values
-   use lopin_surface, only : surface_type, slack_of
+   use lopin_smooth_facet, only : feature_cosine
+   use lopin_surface, only : surface_type, slack_of, edge_normal
    implicit none
    private
    public :: projection_type, limits_type, settle, along_edge, joint_normal
@@ -37,21 +45,22 @@ module lopin_feature
    end type projection_type
 
    real(wp), parameter :: touching = 1.0e-9_wp   !! of a facet: lengths below are rounding
+   !> Of a facet: what is flush with a wall is entered by less; beside the wall by less still.
+   real(wp), parameter :: flush_depth = 0.5_wp
 
 contains
 
    !> Turn the closest foot among the admitted facets into a projection; `result%facet` stays 0 if
    !> the point is opposite no facet after all.
-   pure subroutine settle(surface, facet, closest, x, sided, limits, result)
+   pure subroutine settle(surface, facet, closest, x, n_slave, limits, result)
       type(surface_type), intent(in) :: surface
       integer, intent(in) :: facet
       type(closest_type), intent(in) :: closest
       real(wp), intent(in) :: x(3)                 !! [length]
-      logical, intent(in) :: sided                 !! facets were refused for their side
+      real(wp), intent(in) :: n_slave(3) !! outward unit normal: facets were refused for it; 0: none
       type(limits_type), intent(in) :: limits
       type(projection_type), intent(out) :: result
-      real(wp) :: pseudo(3)
-      logical :: perimeter, admitted
+      logical :: admitted
 
       result%facet = facet
       result%place = closest%place
@@ -63,13 +72,7 @@ contains
       if (closest%place == place%inside) then
          call take_facet_normal(surface, x, result)
       else
-         call joint_normal(surface, facet, closest, pseudo, perimeter)
-         if (perimeter) then
-            call extend(surface, facet, closest, x, limits, result, admitted)
-         else
-            call take_direction(surface, x, sqrt(closest%distance2), pseudo, result)
-            if (sided) admitted = owns(surface, closest, x, result)
-         end if
+         call settle_on_joint(surface, closest, x, n_slave, limits, result, admitted)
       end if
       if (result%gap < -limits%depth) admitted = .false.
       if (.not. admitted) then
@@ -79,6 +82,114 @@ contains
       end if
       result%shape = shape_values(surface%basis, surface%facets%cell(result%facet), result%xi)
    end subroutine settle
+
+   !> The foot is on an edge or a corner: beyond a perimeter, beside a wall, or between facets.
+   pure subroutine settle_on_joint(surface, closest, x, n_slave, limits, result, admitted)
+      type(surface_type), intent(in) :: surface
+      type(closest_type), intent(in) :: closest
+      real(wp), intent(in) :: x(3), n_slave(3)
+      type(limits_type), intent(in) :: limits
+      type(projection_type), intent(inout) :: result
+      logical, intent(out) :: admitted
+      type(projection_type) :: beyond
+      real(wp), parameter :: any_side(3) = 0.0_wp
+      real(wp) :: pseudo(3), beside
+      logical :: perimeter, continued, entered
+
+      call joint_normal(surface, result%facet, closest, pseudo, perimeter)
+      continued = .false.
+      beside = 0.0_wp
+      if (any(abs(n_slave) > 0.0_wp)) then
+         if (ends_at_wall(surface, result%facet, closest, n_slave, limits)) then
+            beyond = result
+            call extend(surface, closest, x, n_slave, limits, beyond, continued)
+            beside = norm2(beyond%point - closest%point)
+         end if
+      end if
+      if (continued) then
+         if (lies_on(surface, beyond, beside, limits)) then
+            result = beyond
+            admitted = .true.
+            return
+         end if
+      end if
+      if (perimeter) then
+         call extend(surface, closest, x, any_side, limits, result, admitted)
+         return
+      end if
+      call take_direction(surface, x, sqrt(closest%distance2), pseudo, result)
+      admitted = .true.
+      if (.not. any(abs(n_slave) > 0.0_wp)) return
+      call ask_walls(surface, closest, x, result%facet, admitted, entered)
+      if (.not. (admitted .and. entered)) return
+      ! In a concave corner the wall is nearer to what has entered it by rounding.
+      if (continued .and. beyond%gap > beside) then
+         result = beyond
+      else
+         admitted = abs(result%gap) <= flush_depth*surface%size(result%facet)
+      end if
+   end subroutine settle_on_joint
+
+   !> Whether a point beside a wall is on or in the facet that ends there: the farther beside it,
+   !> the less deep.
+   pure logical function lies_on(surface, beyond, beside, limits)
+      type(surface_type), intent(in) :: surface
+      type(projection_type), intent(in) :: beyond   !! on the continued facet
+      real(wp), intent(in) :: beside                !! [length]
+      type(limits_type), intent(in) :: limits
+      real(wp) :: left
+
+      associate (size => surface%size(beyond%facet))
+         left = max(0.0_wp, 1.0_wp - beside/((limits%extension + 2.0_wp*touching)*size))
+         lies_on = beyond%gap <= max(beside, touching*size) &
+            & .and. beyond%gap >= -flush_depth*size*left**2
+      end associate
+   end function lies_on
+
+   !> Whether facets at an edge or corner that face a slave end there, at a wall that does not.
+   pure logical function ends_at_wall(surface, facet, closest, n_slave, limits) result(ends)
+      type(surface_type), intent(in) :: surface
+      integer, intent(in) :: facet
+      type(closest_type), intent(in) :: closest
+      real(wp), intent(in) :: n_slave(3)
+      type(limits_type), intent(in) :: limits
+      integer :: i, k, n, node
+
+      if (closest%place == place%edge) then
+         ends = is_wall(surface, facet, closest%feature, n_slave, limits)
+         return
+      end if
+      ends = .false.
+      node = surface%local(closest%feature, facet)
+      do i = surface%ring_first(node), surface%ring_first(node + 1) - 1
+         associate (f => surface%ring(i))
+            n = surface%basis%ncorner(surface%facets%cell(f))
+            if (dot_product(n_slave, surface%disc(4:6, f)) > limits%cosine) cycle
+            do k = 1, n
+               if (all(surface%local([k, merge(k, 1 + mod(k, n), n == 2)], f) /= node)) cycle
+               ends = ends .or. is_wall(surface, f, k, n_slave, limits)
+            end do
+         end associate
+      end do
+   end function ends_at_wall
+
+   !> Whether the neighbour across an edge of a facet is a wall to the slave: round a sharp edge,
+   !> and not opposite.
+   pure logical function is_wall(surface, facet, edge, n_slave, limits)
+      type(surface_type), intent(in) :: surface
+      integer, intent(in) :: facet, edge
+      real(wp), intent(in) :: n_slave(3)
+      type(limits_type), intent(in) :: limits
+      real(wp) :: n(3)
+
+      is_wall = .false.
+      associate (other => surface%neighbour(edge, facet))
+         if (other == 0) return
+         n = edge_normal(surface, other, surface%twin(edge, facet))
+         if (.not. dot_product(n_slave, n) > limits%cosine) return
+         is_wall = dot_product(n, edge_normal(surface, facet, edge)) < feature_cosine
+      end associate
+   end function is_wall
 
    pure subroutine take_facet_normal(surface, x, result)
       type(surface_type), intent(in) :: surface
@@ -164,22 +275,24 @@ contains
       along_edge = dot_product(xi - a, b - a)/dot_product(b - a, b - a)
    end function along_edge
 
-   !> Beyond the perimeter: continue a facet by the extension; the nearest continuation is taken.
-   pure subroutine extend(surface, facet, closest, x, limits, result, admitted)
+   !> Beyond the perimeter, or beside walls of a slave that has a side: continue a facet by the
+   !> extension; the nearest continuation is taken.
+   pure subroutine extend(surface, closest, x, n_slave, limits, result, admitted)
       type(surface_type), intent(in) :: surface
-      integer, intent(in) :: facet
       type(closest_type), intent(in) :: closest
       real(wp), intent(in) :: x(3)
+      real(wp), intent(in) :: n_slave(3)           !! 0: walls are no ends
       type(limits_type), intent(in) :: limits
       type(projection_type), intent(inout) :: result
       logical, intent(out) :: admitted
       type(closest_type) :: trial, chosen
-      integer :: i, n, f, first, last
-      real(wp) :: best, pseudo(3)
+      integer :: i, n, f, facet, first, last
+      real(wp) :: best, pseudo(3), slack(4)
       logical :: perimeter
 
       admitted = .false.
       best = huge(1.0_wp)
+      facet = result%facet
       n = 0
       first = 1
       last = 1
@@ -191,12 +304,16 @@ contains
       do i = first, last
          f = facet
          if (n > 0) f = surface%ring(i)
+         slack = slack_beyond(surface, f, n_slave, limits)
          associate (cell => surface%facets%cell(f))
             call project_on_facet(surface%coefficient(:, :, f), surface%basis%family(cell), &
-               & surface%basis%centre(:, cell), slack_of(surface, f, limits%extension + touching), &
-               & x, trial)
+               & surface%basis%centre(:, cell), slack, x, trial)
+            if (trial%distance2 >= best .or. .not. may_carry(surface, f, trial, slack)) cycle
+            if (any(abs(n_slave) > 0.0_wp)) then
+               if (dot_product(n_slave, facet_unit_normal(surface%coefficient(:, :, f), &
+                  & surface%basis%family(cell), trial%xi)) > limits%cosine) cycle
+            end if
          end associate
-         if (trial%distance2 >= best .or. .not. may_carry(surface, f, trial)) cycle
          best = trial%distance2
          admitted = .true.
          result%facet = f
@@ -216,43 +333,77 @@ contains
       end if
    end subroutine extend
 
+   !> How far the edges of a facet may be moved outward, in reference units: those on the perimeter,
+   !> and those at walls of a slave that has a side.
+   pure function slack_beyond(surface, facet, n_slave, limits) result(slack)
+      type(surface_type), intent(in) :: surface
+      integer, intent(in) :: facet
+      real(wp), intent(in) :: n_slave(3)
+      type(limits_type), intent(in) :: limits
+      real(wp) :: slack(4)
+      integer :: k
+
+      slack = slack_of(surface, facet, limits%extension + touching)
+      if (.not. any(abs(n_slave) > 0.0_wp)) return
+      do k = 1, surface%basis%ncorner(surface%facets%cell(facet))
+         if (is_wall(surface, facet, k, n_slave, limits)) slack(k) = merge(1.0_wp, 2.0_wp, &
+            & surface%basis%family(surface%facets%cell(facet)) == cell_family%triangle) &
+            & *(limits%extension + touching)
+      end do
+   end function slack_beyond
+
    !> A continued facet carries a foot inside its wider bounds, or on an edge that it shares: the
    !> end of a ridge in a plane of symmetry.
-   pure logical function may_carry(surface, facet, closest)
+   pure logical function may_carry(surface, facet, closest, slack)
       type(surface_type), intent(in) :: surface
       integer, intent(in) :: facet
       type(closest_type), intent(in) :: closest
+      real(wp), intent(in) :: slack(4)         !! of its edges
 
       may_carry = closest%place == place%inside
-      if (closest%place == place%edge) may_carry = surface%neighbour(closest%feature, facet) > 0
+      if (closest%place == place%edge) may_carry = surface%neighbour(closest%feature, facet) > 0 &
+         & .and. .not. slack(closest%feature) > 0.0_wp
    end function may_carry
 
    !> Whether a foot on an edge or corner is really the closest one, also among the facets around it
-   !> that were refused for their side. If not, the point is beside the body, opposite nothing.
-   pure logical function owns(surface, closest, x, result)
+   !> that were refused for their side. If not, the point is beside the body, opposite nothing;
+   !> but a wall that the point is behind is only nearer than the facets that it ends.
+   pure subroutine ask_walls(surface, closest, x, facet, owned, entered)
       type(surface_type), intent(in) :: surface
       type(closest_type), intent(in) :: closest
       real(wp), intent(in) :: x(3)
-      type(projection_type), intent(in) :: result
+      integer, intent(in) :: facet
+      logical, intent(out) :: owned
+      logical, intent(out) :: entered              !! a wall is nearer, and the point behind it
       type(closest_type) :: trial
       real(wp), parameter :: none(4) = 0.0_wp
-      integer :: i, k, n, f, corner
+      real(wp) :: n(3)
+      integer :: i, k, f, corner
 
-      owns = .true.
-      n = surface%basis%ncorner(surface%facets%cell(result%facet))
+      owned = .true.
+      entered = .false.
       corner = closest%feature
       do k = 1, merge(2, 1, closest%place == place%edge)
-         if (k == 2) corner = 1 + mod(closest%feature, n)
-         associate (node => surface%local(corner, result%facet))
+         if (k == 2) corner = 1 + mod(closest%feature, &
+            & surface%basis%ncorner(surface%facets%cell(facet)))
+         associate (node => surface%local(corner, facet))
             do i = surface%ring_first(node), surface%ring_first(node + 1) - 1
                f = surface%ring(i)
-               call project_on_facet(surface%coefficient(:, :, f), &
-                  & surface%basis%family(surface%facets%cell(f)), &
-                  & surface%basis%centre(:, surface%facets%cell(f)), none, x, trial)
-               if (sqrt(trial%distance2) < sqrt(closest%distance2) - &
-                  & touching*surface%size(f)) owns = .false.
+               associate (cell => surface%facets%cell(f), c => surface%coefficient(:, :, f))
+                  call project_on_facet(c, surface%basis%family(cell), &
+                     & surface%basis%centre(:, cell), none, x, trial)
+                  if (.not. sqrt(trial%distance2) < sqrt(closest%distance2) - &
+                     & touching*surface%size(f)) cycle
+                  n = facet_unit_normal(c, surface%basis%family(cell), trial%xi)
+               end associate
+               if (dot_product(n, surface%disc(4:6, facet)) < feature_cosine .and. &
+                  & dot_product(x - trial%point, n) <= touching*surface%size(f)) then
+                  entered = .true.
+               else
+                  owned = .false.
+               end if
             end do
          end associate
       end do
-   end function owns
+   end subroutine ask_walls
 end module lopin_feature

@@ -13,7 +13,7 @@ module lopin_surface
       & twin_of, feature_cosine, most_stencil
    implicit none
    private
-   public :: surface_type, new_surface, renumber_nodes, update_surface, slack_of
+   public :: surface_type, new_surface, renumber_nodes, update_surface, slack_of, edge_normal
 
    type :: surface_type
       integer :: ndim = 0

@@ -12,7 +12,7 @@ module lopin_search
    implicit none
    private
    public :: tree_type, cost_type, build_tree, refit_tree, find_projection, find_projections
-   public :: find_near, disc_distance2, box_distance2
+   public :: find_near, disc_distance2, box_distance2, leaf_span, deepest
 
    integer, parameter :: leaf = 4
    integer, parameter :: deepest = 64        !! entries of the stack; the tree has at most 31 levels
@@ -204,7 +204,7 @@ contains
             call push_children(query, tree, 2*k, 2*k + 1)
          end if
       end do
-      if (query%facet > 0) call settle(surface, query%facet, query%best, query%x, query%sided, &
+      if (query%facet > 0) call settle(surface, query%facet, query%best, query%x, query%normal, &
          & limits, result)
       if (present(cost)) then
          cost%query = cost%query + 1
@@ -297,7 +297,7 @@ contains
          if (dot_product(query%x - trial%point, n) >= -limits%shallow) return
          if (trial%place /= place%inside) then
             ! Which side of an edge or a corner is told by all the facets around it.
-            call settle(surface, f, trial, query%x, query%sided, limits, settled)
+            call settle(surface, f, trial, query%x, query%normal, limits, settled)
             if (settled%facet == 0 .or. settled%gap >= -limits%shallow) return
          end if
       end if

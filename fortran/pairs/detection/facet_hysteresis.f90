@@ -102,7 +102,7 @@ contains
       logical, intent(out) :: past             !! and the point lies past its end
       type(closest_type) :: closest
       type(projection_type) :: other
-      real(wp) :: at(3), slack(4)
+      real(wp) :: at(3), side(3), slack(4)
       integer :: cell, family
 
       past = .false.
@@ -110,6 +110,8 @@ contains
       if (kept .or. found%facet == 0) return
       at = 0.0_wp
       at(:size(x)) = x
+      side = 0.0_wp
+      side(:size(x)) = n_slave
       cell = surface%facets%cell(facet)
       family = surface%basis%family(cell)
       slack = merge(1.0_wp, 2.0_wp, family == cell_family%triangle)*most_past
@@ -120,7 +122,7 @@ contains
          if (dot_product(n_slave, head_on(surface, facet, closest%xi, size(x))) > limits%cosine) &
             & return
       end if
-      call settle(surface, facet, closest, at, .true., limits, other)
+      call settle(surface, facet, closest, at, side, limits, other)
       if (other%facet == 0) return
       if (abs(other%gap - found%gap) > most_apart*surface%size(facet)) return
       kept = .true.

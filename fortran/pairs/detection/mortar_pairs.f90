@@ -135,7 +135,7 @@ contains
             & - min(minval(slave%low, 2), minval(master%low, 2)))
          limits%facing = facing
          allocate (limits%depth(slave%facets%n))
-         call depths_of_facets(slave, facing, limits%depth)
+         call depths_of_facets(slave, limits%depth)
          if (model%mesh%ndim == 2) then
             call find_overlaps_2d(slave, self%side, master, tree, x, measure, limits, list)
             return

@@ -100,7 +100,7 @@ contains
       if (model%surface(model%pair(pair)%slave)%kind == surface_of%faces) then
          call shape_of(shape, model, cells, model%pair(pair)%slave, error)
          if (allocated(error)) return
-         call depths_of_nodes(shape, model%mesh%x, slave%normal(:ndim, :), facing, depth)
+         call depths_of_nodes(shape, model%mesh%x, slave%normal(:ndim, :), depth)
       end if
       associate (surface => model%surface(model%pair(pair)%master))
          call new_facets(facets, model%mesh, cells, surface%element, surface%face)

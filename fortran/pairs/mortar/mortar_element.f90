@@ -131,7 +131,7 @@ contains
       call new_cover(self%cover, full, share, self%tied)
       allocate (self%depth(self%slave%facets%n), source=huge(1.0_wp))
       call update_surface(self%slave, x, error)
-      if (.not. allocated(error)) call depths_of_facets(self%slave, facing, self%depth)
+      if (.not. allocated(error)) call depths_of_facets(self%slave, self%depth)
    end subroutine lay_pieces
 
    !> The overlaps at present places.

@@ -154,14 +154,16 @@ contains
       type(contact_field_type), intent(in) :: contact(:)   !! by pair, at the end
       real(wp), allocatable :: q(:)
       character(len=:), allocatable :: why, help
-      real(wp) :: moved, strayed, way
+      real(wp) :: moved, strayed, way, away
       integer :: b
       logical :: drifts
 
       if (.not. allocated(self%way)) return
       do b = 1, size(self%way)
-         drifts = self%way(b) > at_rest*scene%bodies%length
-         if (.not. drifts .and. self%carried(b) <= far*scene%bodies%length) cycle
+         ! What has come back, as a ring that was turned all the way, is not away.
+         away = distance_of(scene, b)
+         drifts = min(self%way(b), away) > at_rest*scene%bodies%length
+         if (.not. drifts .and. min(self%carried(b), away) <= far*scene%bodies%length) cycle
          if (drifts) then
             call fit_motion(scene, scene%trial%motion%u, b, q, moved, strayed)
             if (.not. moved > 0.0_wp) cycle
@@ -177,11 +179,29 @@ contains
             help = 'look for a wall or a support that is forgotten; if the body is meant to '// &
                & 'travel, nothing is wrong'
          end if
+         way = min(way, away)
          call warn_once(scene%log, 'W0515', describe_motion(scene%bodies, model, q)// &
             & ': it has moved away as a whole by '//to_text(way, 4)//' at the end of '// &
             & 'step '//to_text(scene%step)//', and '//why, model%step(scene%step)%at, help=help)
       end do
    end subroutine check_drift
+
+   !> How far the node of a body that is farthest from where it was at first is from there.
+   pure real(wp) function distance_of(scene, body) result(away)
+      type(scene_type), intent(in) :: scene
+      integer, intent(in) :: body
+      real(wp) :: square(size(scene%bodies%body))
+      integer :: i
+
+      square = 0.0_wp
+      do i = 1, scene%dofs%n
+         associate (node => scene%dofs%node(i))
+            if (scene%bodies%body(node) /= body .or. scene%dofs%dof(i) > 3) cycle
+            square(node) = square(node) + scene%trial%motion%u(i)**2
+         end associate
+      end do
+      away = sqrt(maxval(square))
+   end function distance_of
 
    !> Whether contact presses against the motion of a body: what it ends against.
    pure logical function ends_against(bodies, model, contact, body, q) result(stands)

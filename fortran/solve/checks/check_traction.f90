@@ -6,7 +6,9 @@ module lopin_check_traction
    use lopin_contact_points, only : pair_is_tied
    use lopin_model, only : model_type
    use lopin_scene, only : scene_type
-   use lopin_report, only : frame_type
+   use lopin_report, only : contact_field_type, frame_type
+   use lopin_rounding_floor, only : floor_of_forces
+   use lopin_vectors, only : largest
    implicit none
    private
    public :: check_traction
@@ -55,8 +57,7 @@ contains
          associate (f => frame%contact(pair))
             f%lost = 0.0_wp
             within = 0.0_wp
-            if (scene%newton%in_use .and. sum(norm2(f%force, 1)) <= &
-               & left_open*scene%newton%reference) return
+            if (is_left_open(f, scene, model)) return
             call field_areas(scene%skin(pair), x, f%node, f%normal, f%pressure, &
                & merge(f%weight, 0.0_wp, f%facet > 0), area)
             f%lost = lost_force(f%pressure, area(:, 1), f%force, f%normal, x(:, f%node))
@@ -64,4 +65,19 @@ contains
          end associate
       end subroutine check
    end subroutine check_traction
+
+   !> The forces of a pair are what equilibrium leaves open, or what rounding makes of stiffnesses.
+   logical function is_left_open(field, scene, model) result(open)
+      type(contact_field_type), intent(in) :: field
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      real(wp) :: floor(scene%constraints%neq)
+
+      if (scene%newton%in_use) then
+         open = sum(norm2(field%force, 1)) <= left_open*scene%newton%reference
+      else
+         call floor_of_forces(scene, model, floor)
+         open = largest(norm2(field%force, 1)) <= largest(floor)
+      end if
+   end function is_left_open
 end module lopin_check_traction

@@ -1,0 +1,82 @@
+"""Masters that are whole skins: nodes flush with their walls, corners that bulge past each other."""
+import itertools
+
+import numpy as np
+import pytest
+
+from lopin import mesh_make
+from lopin.laws import Elastic
+from lopin.mesh import together
+from lopin.model import Model
+
+SIDES = {"none": (False, False), "slave": (True, False), "master": (False, True),
+         "both": (True, True)}
+
+
+def with_skin(mesh):
+    """A mesh with the surface SKIN of all its named faces."""
+    return mesh.replaced(surfaces={**mesh.surfaces,
+                                   "SKIN": np.concatenate(list(mesh.surfaces.values()))})
+
+
+def shaped(kind, size, cells):
+    """A block of a word."""
+    mesh = mesh_make.block(size, cells)
+    if kind in ("CPE3", "C3D4", "C3D10"):
+        mesh = mesh_make.simplices(mesh)
+    return with_skin(mesh.quadratic() if kind in ("CPE8", "C3D10", "C3D20") else mesh)
+
+
+def bent(shape):
+    """The mapping of blocks that stand on each other at a height of 1 to a shape."""
+    def place(x):
+        way, up = x[:, 0], x[:, -1]
+        if shape == "ring":
+            turn = np.pi/8*(4.0 - way)
+            way, up = (3.0 + up)*np.cos(turn), (3.0 + up)*np.sin(turn)
+        else:
+            up = up + {"flat": 0.0, "valley": 0.3, "ridge": -0.3}[shape]*np.abs(way - 2.0)
+        return np.column_stack([way, *x[:, 1:-1].T, up])
+    return place
+
+
+def stacked(kind, shape, sides, path="condensed", *, to_surface=False, over=0.01, gap=0.0,
+            cells=(4, 4), layers=(1, 1), turn=0.0):
+    """Two bodies of one width that meet at 1; `over`: pressed or entered by, from a gap."""
+    space = kind.startswith("C3D")
+    deep = [(n,) if space else () for n in layers]
+    low = shaped(kind, (4.0, 1.0, 1.0)[:2 + space], (cells[0], *deep[0], 1))
+    up = shaped(kind, (4.0, 1.0, 0.8)[:2] + (0.8,) if space else (4.0, 0.8), (cells[1], *deep[1], 1))
+    up = up.moved(*(0.0,)*(1 + space), 1.0 + gap - (over if shape != "flat" else 0.0))
+    slave, master = SIDES[sides]
+    both = together(UP=up, LOW=low).mapped(bent(shape))
+    c, s = np.cos(turn), np.sin(turn)
+    both = both.mapped(lambda x: np.column_stack(
+        [c*x[:, 0] - s*x[:, -1], *x[:, 1:-1].T, s*x[:, 0] + c*x[:, -1]]))
+    model = Model("skins", both, kind="3d" if space else "plane strain")
+    for name in ("UP", "LOW"):
+        model.section(name, Elastic(2e4, 0.3))
+    model.contact("UP.SKIN" if slave else "UP.BOTTOM", "LOW.SKIN" if master else "LOW.TOP",
+                  surface_to_surface=to_surface, initial="interference" if gap <= 0.0 else "")
+    axes = ("x", "y", "z")[:2 + space]
+    if shape == "ring":
+        for name, face in itertools.product(("UP", "LOW"), ("LEFT", "RIGHT")):
+            model.fix(f"{name}.{face}", axes[0] if face == "LEFT" else axes[-1])
+    else:
+        model.fix("LOW.BOTTOM", *axes)
+    if space:
+        model.fix("UP.FRONT", "y")
+        model.fix("LOW.FRONT", "y")
+    step = model.step(nlgeom=path == "finite")
+    if shape == "flat":
+        step.move("UP.TOP", **{axes[0]: float(s*(over + gap)), axes[-1]: float(-c*(over + gap))})
+    elif shape != "ring":
+        step.move("UP.TOP", **dict.fromkeys(axes, 0.0))
+    return model.to_deck()
+
+
+def force(solve, deck):
+    """The force of the pair at the end, and what is closed."""
+    result = solve(deck)
+    name = next(k for k in result.history if k.endswith(".force1"))[:-1]
+    return np.array([result.history[name + d][-1] for d in "123" if name + d in result.history])
