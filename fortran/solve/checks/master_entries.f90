@@ -8,6 +8,7 @@ module lopin_master_entries
    use lopin_surface, only : surface_type
    use lopin_feature, only : projection_type, limits_type
    use lopin_search, only : tree_type, build_tree, find_projection
+   use lopin_wall_depth, only : depths_of_facets
    use lopin_contact_points, only : facing
    implicit none
    private
@@ -50,11 +51,12 @@ contains
       type(tree_type) :: tree
       type(limits_type) :: limits
       type(projection_type) :: found
-      real(wp) :: at(3), normal(3), xi(2), low(3), high(3), reach, typical
+      real(wp) :: at(3), normal(3), xi(2), low(3), high(3), reach, typical, wall(slave%facets%n)
       integer :: i, a, b, parts, d
 
       d = slave%ndim
       call build_tree(tree, slave%low, slave%high)
+      call depths_of_facets(slave, wall)
       limits%cosine = facing
       limits%extension = 0.0_wp
       low = minval(slave%low, 2)
@@ -79,6 +81,7 @@ contains
                   call find_projection(slave, tree, at(:d), normal(:d), limits, found)
                   if (found%facet == 0) cycle
                   if (dot_product(found%normal, normal) > facing) cycle
+                  if (found%gap < -wall(found%facet)) cycle
                   if (-found%gap < min(limit, thick*slave%size(found%facet))) call add_volume( &
                      & entry(found%facet), found%gap + between(slave, found, shift), &
                      & (master%size(i)/parts)**(d - 1))
