@@ -13,10 +13,9 @@
 module lopin_feature
    use lopin_kinds, only : wp
    use lopin_projection, only : closest_type, place, project_on_facet, facet_unit_normal, edge_ends
-   use lopin_cells, only : cell_family
    use lopin_facet_basis, only : shape_values
-   use lopin_smooth_facet, only : feature_cosine
-   use lopin_surface, only : surface_type, slack_of, edge_normal
+   use lopin_surface, only : surface_type
+   use lopin_flush_walls, only : ends_at_wall, slack_beyond, ask_walls, find_faced, touches_hardly
    implicit none
    private
    public :: projection_type, limits_type, settle, along_edge, joint_normal
@@ -74,6 +73,8 @@ contains
       else
          call settle_on_joint(surface, closest, x, n_slave, limits, result, admitted)
       end if
+      if (admitted .and. any(abs(n_slave) > 0.0_wp)) call take_faced(surface, x, n_slave, &
+         & limits%cosine, result)
       if (result%gap < -limits%depth) admitted = .false.
       if (.not. admitted) then
          result%facet = 0
@@ -100,7 +101,7 @@ contains
       continued = .false.
       beside = 0.0_wp
       if (any(abs(n_slave) > 0.0_wp)) then
-         if (ends_at_wall(surface, result%facet, closest, n_slave, limits)) then
+         if (ends_at_wall(surface, result%facet, closest, n_slave, limits%cosine)) then
             beyond = result
             call extend(surface, closest, x, n_slave, limits, beyond, continued)
             beside = norm2(beyond%point - closest%point)
@@ -146,50 +147,25 @@ contains
       end associate
    end function lies_on
 
-   !> Whether facets at an edge or corner that face a slave end there, at a wall that does not.
-   pure logical function ends_at_wall(surface, facet, closest, n_slave, limits) result(ends)
+   !> A point flush with a wall that it hardly faces belongs to the facet beside it that it faces.
+   pure subroutine take_faced(surface, x, n_slave, cosine, result)
       type(surface_type), intent(in) :: surface
-      integer, intent(in) :: facet
-      type(closest_type), intent(in) :: closest
-      real(wp), intent(in) :: n_slave(3)
-      type(limits_type), intent(in) :: limits
-      integer :: i, k, n, node
+      real(wp), intent(in) :: x(3), n_slave(3), cosine
+      type(projection_type), intent(inout) :: result
+      type(closest_type) :: foot
+      integer :: other
 
-      if (closest%place == place%edge) then
-         ends = is_wall(surface, facet, closest%feature, n_slave, limits)
-         return
-      end if
-      ends = .false.
-      node = surface%local(closest%feature, facet)
-      do i = surface%ring_first(node), surface%ring_first(node + 1) - 1
-         associate (f => surface%ring(i))
-            n = surface%basis%ncorner(surface%facets%cell(f))
-            if (dot_product(n_slave, surface%disc(4:6, f)) > limits%cosine) cycle
-            do k = 1, n
-               if (all(surface%local([k, merge(k, 1 + mod(k, n), n == 2)], f) /= node)) cycle
-               ends = ends .or. is_wall(surface, f, k, n_slave, limits)
-            end do
-         end associate
-      end do
-   end function ends_at_wall
-
-   !> Whether the neighbour across an edge of a facet is a wall to the slave: round a sharp edge,
-   !> and not opposite.
-   pure logical function is_wall(surface, facet, edge, n_slave, limits)
-      type(surface_type), intent(in) :: surface
-      integer, intent(in) :: facet, edge
-      real(wp), intent(in) :: n_slave(3)
-      type(limits_type), intent(in) :: limits
-      real(wp) :: n(3)
-
-      is_wall = .false.
-      associate (other => surface%neighbour(edge, facet))
-         if (other == 0) return
-         n = edge_normal(surface, other, surface%twin(edge, facet))
-         if (.not. dot_product(n_slave, n) > limits%cosine) return
-         is_wall = dot_product(n, edge_normal(surface, facet, edge)) < feature_cosine
-      end associate
-   end function is_wall
+      if (.not. touches_hardly(surface, result%facet, n_slave, result%normal, result%gap)) return
+      call find_faced(surface, x, n_slave, result%facet, cosine, other, foot)
+      if (other == 0) return
+      result%facet = other
+      result%place = place%extended
+      result%kind = place%inside
+      result%feature = 0
+      result%xi = foot%xi
+      result%point = foot%point
+      call take_facet_normal(surface, x, result)
+   end subroutine take_faced
 
    pure subroutine take_facet_normal(surface, x, result)
       type(surface_type), intent(in) :: surface
@@ -304,7 +280,7 @@ contains
       do i = first, last
          f = facet
          if (n > 0) f = surface%ring(i)
-         slack = slack_beyond(surface, f, n_slave, limits)
+         slack = slack_beyond(surface, f, n_slave, limits%cosine, limits%extension + touching)
          associate (cell => surface%facets%cell(f))
             call project_on_facet(surface%coefficient(:, :, f), surface%basis%family(cell), &
                & surface%basis%centre(:, cell), slack, x, trial)
@@ -333,25 +309,6 @@ contains
       end if
    end subroutine extend
 
-   !> How far the edges of a facet may be moved outward, in reference units: those on the perimeter,
-   !> and those at walls of a slave that has a side.
-   pure function slack_beyond(surface, facet, n_slave, limits) result(slack)
-      type(surface_type), intent(in) :: surface
-      integer, intent(in) :: facet
-      real(wp), intent(in) :: n_slave(3)
-      type(limits_type), intent(in) :: limits
-      real(wp) :: slack(4)
-      integer :: k
-
-      slack = slack_of(surface, facet, limits%extension + touching)
-      if (.not. any(abs(n_slave) > 0.0_wp)) return
-      do k = 1, surface%basis%ncorner(surface%facets%cell(facet))
-         if (is_wall(surface, facet, k, n_slave, limits)) slack(k) = merge(1.0_wp, 2.0_wp, &
-            & surface%basis%family(surface%facets%cell(facet)) == cell_family%triangle) &
-            & *(limits%extension + touching)
-      end do
-   end function slack_beyond
-
    !> A continued facet carries a foot inside its wider bounds, or on an edge that it shares: the
    !> end of a ridge in a plane of symmetry.
    pure logical function may_carry(surface, facet, closest, slack)
@@ -364,46 +321,4 @@ contains
       if (closest%place == place%edge) may_carry = surface%neighbour(closest%feature, facet) > 0 &
          & .and. .not. slack(closest%feature) > 0.0_wp
    end function may_carry
-
-   !> Whether a foot on an edge or corner is really the closest one, also among the facets around it
-   !> that were refused for their side. If not, the point is beside the body, opposite nothing;
-   !> but a wall that the point is behind is only nearer than the facets that it ends.
-   pure subroutine ask_walls(surface, closest, x, facet, owned, entered)
-      type(surface_type), intent(in) :: surface
-      type(closest_type), intent(in) :: closest
-      real(wp), intent(in) :: x(3)
-      integer, intent(in) :: facet
-      logical, intent(out) :: owned
-      logical, intent(out) :: entered              !! a wall is nearer, and the point behind it
-      type(closest_type) :: trial
-      real(wp), parameter :: none(4) = 0.0_wp
-      real(wp) :: n(3)
-      integer :: i, k, f, corner
-
-      owned = .true.
-      entered = .false.
-      corner = closest%feature
-      do k = 1, merge(2, 1, closest%place == place%edge)
-         if (k == 2) corner = 1 + mod(closest%feature, &
-            & surface%basis%ncorner(surface%facets%cell(facet)))
-         associate (node => surface%local(corner, facet))
-            do i = surface%ring_first(node), surface%ring_first(node + 1) - 1
-               f = surface%ring(i)
-               associate (cell => surface%facets%cell(f), c => surface%coefficient(:, :, f))
-                  call project_on_facet(c, surface%basis%family(cell), &
-                     & surface%basis%centre(:, cell), none, x, trial)
-                  if (.not. sqrt(trial%distance2) < sqrt(closest%distance2) - &
-                     & touching*surface%size(f)) cycle
-                  n = facet_unit_normal(c, surface%basis%family(cell), trial%xi)
-               end associate
-               if (dot_product(n, surface%disc(4:6, facet)) < feature_cosine .and. &
-                  & dot_product(x - trial%point, n) <= touching*surface%size(f)) then
-                  entered = .true.
-               else
-                  owned = .false.
-               end if
-            end do
-         end associate
-      end do
-   end subroutine ask_walls
 end module lopin_feature

@@ -3,9 +3,9 @@
 !>
 !> The skin of a thin sheet looks both ways: from its upper side the under side of what lies below
 !> seems to be entered by both thicknesses. Half the way to the other side of one's own wall bounds
-!> what counts as penetration. That way is the one straight back, to where it leaves the body: the
-!> nearest facet that looks the other way may be far beside it, or none may own the point, as at the
-!> ends of a body that has walls at right angles.
+!> what counts as penetration: the way straight back to where it leaves the body, measured square to
+!> the side there. The nearest facet that looks the other way may be far beside it, or none may own
+!> the point, as at the ends of a body that has walls at right angles.
 module lopin_wall_depth
    use lopin_kinds, only : wp
    use lopin_vectors, only : cross
@@ -69,7 +69,7 @@ contains
       type(tree_type), intent(in) :: tree
       real(wp), intent(in) :: x(:), normal(:)
       real(wp), intent(inout) :: depth         !! [length]
-      real(wp) :: from(3), way(3), margin, far
+      real(wp) :: from(3), way(3), margin, far, wall
       integer :: stack(deepest), top, k, j, last
 
       if (tree%n == 0 .or. .not. norm2(normal) > 0.0_wp) return
@@ -93,10 +93,10 @@ contains
          end if
          call leaf_span(tree, k - tree%nleaf + 1, j, last)
          do j = j, last
-            far = min(far, way_out(surface, tree%facet(j), from, way))
+            call find_way_out(surface, tree%facet(j), from, way, far, wall)
          end do
       end do
-      if (far < huge(1.0_wp)) depth = 0.5_wp*far
+      if (far < huge(1.0_wp)) depth = 0.5_wp*wall
    end subroutine look
 
    !> Whether a way meets a box before it has gone far.
@@ -121,16 +121,17 @@ contains
       meets_box = enter <= leave
    end function meets_box
 
-   !> How far it is to where a way leaves the body through a facet; huge if it does not. Curved
+   !> Where a way leaves the body through a facet, if it does so nearer than it did so far. Curved
    !> facets count as those of their corners.
-   pure real(wp) function way_out(surface, facet, from, way) result(far)
+   pure subroutine find_way_out(surface, facet, from, way, far, wall)
       type(surface_type), intent(in) :: surface
       integer, intent(in) :: facet
       real(wp), intent(in) :: from(3), way(3)
+      real(wp), intent(inout) :: far           !! along the way [length]
+      real(wp), intent(inout) :: wall          !! square to the facet there [length]
       real(wp) :: corner(3, 4)
       integer :: k, n
 
-      far = huge(1.0_wp)
       associate (cell => surface%facets%cell(facet))
          n = surface%basis%ncorner(cell)
          do k = 1, n
@@ -146,29 +147,30 @@ contains
          n = 4
       end if
       do k = 2, n - 1
-         far = min(far, through_triangle(corner(:, [1, k, k + 1]), from, way, &
-            & beside*surface%size(facet)))
+         call leave_through(corner(:, [1, k, k + 1]), from, way, beside*surface%size(facet), far, &
+            & wall)
       end do
-   end function way_out
+   end subroutine find_way_out
 
    !> The same of a triangle that looks the way its corners turn.
-   pure real(wp) function through_triangle(corner, from, way, least) result(far)
+   pure subroutine leave_through(corner, from, way, least, far, wall)
       real(wp), intent(in) :: corner(3, 3), from(3), way(3)
       real(wp), intent(in) :: least            !! nearer is where the way began [length]
+      real(wp), intent(inout) :: far, wall     !! [length]
       real(wp) :: n(3), along, t
       integer :: k
 
-      far = huge(1.0_wp)
       n = cross(corner(:, 2) - corner(:, 1), corner(:, 3) - corner(:, 1))
       along = dot_product(way, n)
       if (along <= grazing*norm2(n)) return
       t = dot_product(corner(:, 1) - from, n)/along
-      if (t <= least) return
+      if (t <= least .or. t >= far) return
       do k = 1, 3
          associate (a => corner(:, k), b => corner(:, 1 + mod(k, 3)))
             if (dot_product(cross(b - a, from + t*way - a), n) < -beside*dot_product(n, n)) return
          end associate
       end do
       far = t
-   end function through_triangle
+      wall = t*along/norm2(n)
+   end subroutine leave_through
 end module lopin_wall_depth

@@ -8,6 +8,7 @@ module lopin_uniform_pressure
    use lopin_facet_basis, only : shape_values, facet_point_of, facet_tangents
    use lopin_feature, only : projection_type, limits_type
    use lopin_search, only : tree_type, build_tree, find_projection
+   use lopin_wall_depth, only : depths_of_facets
    use lopin_surface, only : surface_type
    implicit none
    private
@@ -30,7 +31,7 @@ contains
       type(limits_type) :: limits
       type(projection_type) :: found
       real(wp), allocatable :: xi(:, :), weight(:), x(:, :), normal(:, :)
-      real(wp) :: n(8), whole(8), finest
+      real(wp) :: n(8), whole(8), finest, wall(slave%facets%n)
       logical :: meets
       integer :: i, k, count_, ndim
 
@@ -38,6 +39,7 @@ contains
       area = 0.0_wp
       opposite = .false.
       call build_tree(tree, master%low, master%high)
+      call depths_of_facets(slave, wall)
       limits%extension = 1.0e-6_wp
       finest = minval(master%size)
       do i = 1, size(facet)
@@ -48,6 +50,7 @@ contains
             call check_samples(slave, facet(i), axisymmetric, xi, weight, x, normal)
             whole = 0.0_wp
             meets = .false.
+            limits%depth = wall(facet(i))
             do k = 1, size(weight)
                n = shape_values(slave%basis, cell, xi(:, k))
                whole(:nodes) = whole(:nodes) + weight(k)*n(:nodes)

@@ -12,6 +12,7 @@ module lopin_narrow_ribs
    use lopin_surface, only : surface_type
    use lopin_feature, only : projection_type, limits_type
    use lopin_search, only : tree_type, build_tree, find_projection
+   use lopin_wall_depth, only : depths_of_facets
    use lopin_model, only : model_type
    use lopin_flat_elements, only : is_ring
    use lopin_contact_points, only : facing
@@ -74,10 +75,12 @@ contains
       real(wp), intent(in) :: x(:, :)
       type(opposite_type), intent(in) :: opposite
       type(facet_rule_type), allocatable :: rules(:)
+      real(wp) :: wall(slave%facets%n)
       integer :: i, k, a, b
 
       allocate (rules(6))
       call new_facet_rules(rules)
+      call depths_of_facets(slave, wall)
       do i = 1, slave%facets%n
          associate (cell => rules(slave%facets%cell(i))%cell, &
             & node => slave%facets%node(:slave%facets%nnode(i), i))
@@ -86,25 +89,29 @@ contains
                a = cell%edge(1, k)
                b = cell%edge(2, k)
                if (place(node(a)) > 0) call follow(touch(place(node(a))), slave, i, cell, a, b, &
-                  & opposite)
+                  & opposite, wall(i))
                if (place(node(b)) > 0) call follow(touch(place(node(b))), slave, i, cell, b, a, &
-                  & opposite)
+                  & opposite, wall(i))
             end do
          end associate
       end do
    end subroutine follow_edges
 
-   subroutine follow(self, slave, facet, cell, from, to, opposite)
+   subroutine follow(self, slave, facet, cell, from, to, opposite, wall)
       type(touch_type), intent(inout) :: self
       type(surface_type), intent(in) :: slave
       integer, intent(in) :: facet, from, to   !! corners of the facet
       type(cell_type), intent(in) :: cell
       type(opposite_type), intent(in) :: opposite
+      real(wp), intent(in) :: wall             !! of the facet: deeper is no contact [length]
+      type(limits_type) :: limits
       type(projection_type) :: found
       real(wp) :: origin(3), way(3), normal(3), start, t, long
       integer :: j
 
       if (self%n == most_edges) return
+      limits = opposite%limits
+      limits%depth = wall
       call look(0.0_wp, origin, found)
       if (found%facet == 0) return
       start = found%gap
@@ -145,7 +152,7 @@ contains
          n = facet_unit_normal(slave%coefficient(:, :, facet), &
             & slave%basis%family(slave%facets%cell(facet)), xi)
          call find_projection(opposite%surface, opposite%tree, at(:slave%ndim), n(:slave%ndim), &
-            & opposite%limits, found)
+            & limits, found)
       end subroutine look
    end subroutine follow
 end module lopin_narrow_ribs
