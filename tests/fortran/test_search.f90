@@ -25,6 +25,7 @@ program test_search
    call shape_values_carry_the_foot()
    call a_thin_sheet_is_met_on_the_right_side()
    call a_point_beside_a_block_meets_nothing()
+   call a_point_flush_with_a_wall_meets_the_top()
    call the_perimeter_extends_by_a_fraction()
    call a_ridge_ends_in_a_plane_of_symmetry()
    call a_polyline_is_followed_without_jumps()
@@ -259,6 +260,42 @@ contains
          & -1.0_wp], limits, found)
       call close_to('inside near the edge: under the top', found%gap, -0.05_wp, tight)
    end subroutine a_point_beside_a_block_meets_nothing
+
+   subroutine a_point_flush_with_a_wall_meets_the_top()
+      type(scene_type) :: scene
+      type(projection_type) :: found
+      type(limits_type) :: limits
+      real(wp), parameter :: down(3) = [0.0_wp, 0.0_wp, -1.0_wp]
+      real(wp) :: beside
+      integer :: i, k
+
+      call test('a point flush with walls of a block is under its top, beside them by little')
+      do k = 1, 2
+         call make_cube(scene, 2, k == 2)
+         do i = -1, 1
+            beside = 1.0_wp + i*1.0e-15_wp
+            call find_projection(scene%surface, scene%tree, [beside, 0.2_wp, 0.7_wp], down, &
+               & limits, found)
+            call close_to('at an edge', found%gap, -0.3_wp, tight)
+            call find_projection(scene%surface, scene%tree, [beside, -beside, 0.7_wp], down, &
+               & limits, found)
+            call close_to('at a corner', found%gap, -0.3_wp, tight)
+            call close_to('up', found%normal, -down, tight)
+         end do
+         call find_projection(scene%surface, scene%tree, [1.0_wp + 1.0e-6_wp, 0.2_wp, 0.3_wp], &
+            & down, limits, found)
+         call is_true('not so deep beside it', found%facet == 0)
+         call find_projection(scene%surface, scene%tree, [1.02_wp, -1.03_wp, 0.98_wp], down, &
+            & limits, found)
+         call close_to('bulged past a corner', found%gap, -0.02_wp, tight)
+         call find_projection(scene%surface, scene%tree, [1.02_wp, 0.2_wp, 1.01_wp], down, &
+            & limits, found)
+         call close_to('just above', found%gap, 0.01_wp, tight)
+         call find_projection(scene%surface, scene%tree, [1.2_wp, 0.2_wp, 0.99_wp], down, limits, &
+            & found)
+         call is_true('too far beside', found%facet == 0)
+      end do
+   end subroutine a_point_flush_with_a_wall_meets_the_top
 
    subroutine the_perimeter_extends_by_a_fraction()
       type(scene_type) :: scene

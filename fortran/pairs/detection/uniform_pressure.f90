@@ -33,9 +33,8 @@ contains
       real(wp), allocatable :: xi(:, :), weight(:), x(:, :), normal(:, :)
       real(wp) :: n(8), whole(8), finest, wall(slave%facets%n)
       logical :: meets
-      integer :: i, k, count_, ndim
+      integer :: i, k, count_
 
-      ndim = slave%ndim
       area = 0.0_wp
       opposite = .false.
       call build_tree(tree, master%low, master%high)
@@ -43,8 +42,9 @@ contains
       limits%extension = 1.0e-6_wp
       finest = minval(master%size)
       do i = 1, size(facet)
-         associate (cell => slave%facets%cell(facet(i)), nodes => slave%facets%nnode(facet(i)))
-            count_ = min(most(ndim - 1), max(fewest(ndim - 1), &
+         associate (cell => slave%facets%cell(facet(i)), nodes => slave%facets%nnode(facet(i)), &
+            & at => slave%local(:slave%facets%nnode(facet(i)), facet(i)))
+            count_ = min(most(slave%ndim - 1), max(fewest(slave%ndim - 1), &
                & ceiling(min(1.0e3_wp, slave%size(facet(i))/finest)*a_facet)))
             call place_samples(slave%basis%family(cell), count_, xi, weight)
             call check_samples(slave, facet(i), axisymmetric, xi, weight, x, normal)
@@ -54,16 +54,14 @@ contains
             do k = 1, size(weight)
                n = shape_values(slave%basis, cell, xi(:, k))
                whole(:nodes) = whole(:nodes) + weight(k)*n(:nodes)
-               call find_projection(master, tree, x(:ndim, k), normal(:ndim, k), limits, found)
+               call find_projection(master, tree, x(:, k), normal(:, k), limits, found)
                if (found%facet == 0) cycle
                meets = .true.
                opposite(found%facet) = .true.
                call add(slave, facet(i), weight(k)*n, found%normal)
                call add(master, found%facet, -weight(k)*found%shape, found%normal)
             end do
-            associate (at => slave%local(:nodes, facet(i)))
-               if (meets) area(at) = area(at) + whole(:nodes)
-            end associate
+            if (meets) area(at) = area(at) + whole(:nodes)
          end associate
       end do
 
@@ -77,7 +75,7 @@ contains
 
          do j = 1, surface%facets%nnode(i)
             associate (node => surface%facets%node(j, i))
-               force(:, node) = force(:, node) + share(j)*normal(:ndim)
+               force(:, node) = force(:, node) + share(j)*normal(:slave%ndim)
             end associate
          end do
       end subroutine add
