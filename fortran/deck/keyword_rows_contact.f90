@@ -41,8 +41,8 @@ contains
          & 'nearer than a distance, or the nodes of a set; YES: only those that penetrate.')
       call bare_value(table, 'YES')
       call flag(table, 'TIED', 'The surfaces stay glued; by mortar unless TYPE says otherwise.')
-      call number(table, 'EXTENSION ZONE', '0.1', 'Extension of open master edges, fraction '// &
-         & 'of a facet, 0 to 0.2.')
+      call number(table, 'EXTENSION ZONE', '0.1', 'Extension of open master edges, and of '// &
+         & 'edges to walls that the slave does not face, fraction of a facet, 0 to 0.2.')
       call flag(table, 'NO THICKNESS', 'Shell thickness does not count; accepted.')
       call ignored_flag(table, 'HCRIT', 'Distance of an old search.')
       call choice(table, 'SMOOTH', 'YES,NO', 'NO', 'YES: linear facets of the master are '// &

@@ -82,5 +82,6 @@ REF, 6, 6, 0.
 
 
 def test_a_ring_that_is_turned_all_the_way_has_not_moved_away(tmp_path):
+    """Nor do forces in balance, whose sum is rounding, rise by a part of themselves."""
     codes, said, _ = turned_ring(360.0, tmp_path)
-    assert "certificate: PASS" in said and "W0515" not in codes, said
+    assert "certificate: PASS" in said and not codes & {"W0515", "W0562", "N0562"}, said

@@ -25,6 +25,8 @@ module lopin_facet_sag
    real(wp), parameter :: some = 0.02_wp, much = 0.05_wp
    !> Forces that count, beside the largest: where contact begins they rise steeply for a moment.
    real(wp), parameter :: large = 0.5_wp
+   !> Beside what all points press, a driving force that is rounding: a ring turns in balance.
+   real(wp), parameter :: rounding = 1.0e-6_wp
    !> Plastic part of the work of an increment in which metal flows.
    real(wp), parameter :: flowing = 0.3_wp
 
@@ -80,7 +82,7 @@ contains
       call begin(self, model, size(now))
       call measure_drive(scene, way, force)
       if (.not. (self%seated .and. way > 0.0_wp)) self%borne = max(self%borne, now)
-      if (.not. way > 0.0_wp) return
+      if (.not. way > 0.0_wp .or. force <= rounding*sum(now)) return
       self%largest = max(self%largest, force)
       self%travel = self%travel + way
       call measure_sag(scene, model, sag, farthest, pair)
