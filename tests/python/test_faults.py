@@ -364,7 +364,7 @@ def test_a_second_signal_ends_the_process_at_once(executable, tmp_path, first, s
     assert time.monotonic() - begun < 1.0 and "Backtrace" not in process.stdout.read()
 
 
-@pytest.mark.parametrize("few", [0, 1])
+@pytest.mark.parametrize("few", [0, 1, 3])
 def test_a_factor_does_with_the_threads_that_start(executable, tmp_path, few):
     """All that the test of factors asks, solutions to the bit, where threads do not start."""
     program = executable.parent/"tests"/"test_threads_of_factors"
