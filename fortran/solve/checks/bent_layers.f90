@@ -13,7 +13,8 @@
 module lopin_bent_layers
    use lopin_kinds, only : wp
    use lopin_text, only : to_text
-   use lopin_element_type, only : element_type, element_formulation, new_element_type
+   use lopin_element_type, only : element_formulation, cells_of_words
+   use lopin_cells, only : cell_type
    use lopin_flow_curve, only : flows
    use lopin_model, only : model_type
    use lopin_point_volumes, only : point_volumes
@@ -38,24 +39,21 @@ contains
       real(wp), intent(in) :: strain(:, :)     !! (6, npoint) [-]
       real(wp), intent(in) :: along            !! work of the stresses along the strains [energy]
       logical, intent(out) :: told
-      type(element_type) :: element(size(model%element_word))
+      type(cell_type), allocatable :: cells(:)
       integer, allocatable :: beyond(:, :)
       real(wp) :: bends, most, own
-      integer :: d, e, k, layers(3), worst
-      logical :: found
+      integer :: d, e, layers(3), worst
 
       told = .false.
       if (.not. any([(may_bend(scene, model, e), e=1, model%mesh%nelement)])) return
-      do k = 1, size(element)
-         call new_element_type(element(k), trim(model%element_word(k)), '', found)
-      end do
-      call find_beyond(model, element%cell, beyond)
+      call cells_of_words(model%element_word, cells)
+      call find_beyond(model, cells, beyond)
       bends = 0.0_wp
       most = 0.0_wp
       worst = 0
       do e = 1, model%mesh%nelement
          if (.not. may_bend(scene, model, e)) cycle
-         layers = layers_of(model, element%cell, e, beyond)
+         layers = layers_of(model, cells, e, beyond)
          do d = 1, model%mesh%ndim
             if (layers(d) /= 1) cycle
             own = bending(e, d)

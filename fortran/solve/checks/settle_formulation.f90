@@ -8,9 +8,14 @@
 module lopin_settle_formulation
    use lopin_error, only : error_type, log_type, severity
    use lopin_kinds, only : wp
-   use lopin_model, only : model_type
+   use lopin_cells, only : cell_type
+   use lopin_contact_points, only : facing
+   use lopin_element_type, only : cells_of_words
+   use lopin_model, only : model_type, surface_of
+   use lopin_mortar_pairs, only : shape_of
    use lopin_plan, only : plan_type, needs_nonlinear
    use lopin_scene, only : scene_type, meet_surfaces
+   use lopin_surface, only : surface_type
    use lopin_text, only : to_text
    use lopin_surface_material, only : is_metal
    use lopin_uneven_pressure, only : unevenness, is_at_nodes, noticeable, all_of_it
@@ -63,10 +68,12 @@ contains
          & .or. size(model%initial_traction) > 0
    end function is_part
 
-   !> Some nodes of an elastic slave have nothing opposite. Where the master ends within its facets,
-   !> as a leaf of a spring does, the line of contact is narrower than these, and their means stand
-   !> for more of it than the nodes do. Metal bears evenly there.
-   pure function hangs_over(scene, model) result(hangs)
+   !> An elastic slave hangs over its master: a facet that faces it has a node that has nothing
+   !> opposite beside one that has. Where the master ends within its facets, as a leaf of a spring
+   !> does, the line of contact is narrower than these, and their means stand for more of it than
+   !> the nodes do. Metal bears evenly there. What looks away, as the other sides of a skin, hangs
+   !> over nothing.
+   function hangs_over(scene, model) result(hangs)
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
       logical :: hangs(size(model%pair))
@@ -77,8 +84,46 @@ contains
             hangs(i) = any(scene%points%facet(first:last) == 0) &
                & .and. .not. is_metal(model, model%pair(i)%slave)
          end associate
+         if (hangs(i) .and. model%surface(model%pair(i)%slave)%kind == surface_of%faces) &
+            & hangs(i) = a_facet_hangs(scene, model, i)
       end do
    end function hangs_over
+
+   !> The same, of a slave of faces.
+   logical function a_facet_hangs(scene, model, pair) result(hangs)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: pair
+      type(surface_type) :: slave
+      type(cell_type), allocatable :: cells(:)
+      type(error_type), allocatable :: error
+      integer :: of(model%mesh%nnode), f, i, k
+      logical :: misses, faces
+
+      hangs = .true.
+      call cells_of_words(model%element_word, cells)
+      call shape_of(slave, model, cells, model%pair(pair)%slave, error)
+      if (allocated(error)) return
+      of = 0
+      associate (points => scene%points)
+         do i = points%first(pair), points%first(pair + 1) - 1
+            of(points%node(i)) = i
+         end do
+         do f = 1, slave%facets%n
+            misses = .false.
+            faces = .false.
+            do k = 1, slave%facets%nnode(f)
+               i = of(slave%facets%node(k, f))
+               if (i == 0) cycle
+               if (points%facet(i) == 0) misses = .true.
+               if (points%facet(i) /= 0) faces = faces .or. dot_product(slave%disc(4:6, f), &
+                  & points%normal(:, i)) < facing
+            end do
+            if (misses .and. faces) return
+         end do
+      end associate
+      hangs = .false.
+   end function a_facet_hangs
 
    !> Take pairs surface to surface, and say so: all whose facets do not match, or may not once they
    !> have slid. Where the pressure of the slave would be even, the master would still have it at
