@@ -32,7 +32,7 @@ contains
          & 'mortar, each slave node meets the mean of what its share of the surface covers. '// &
          & 'Rigid tools and slaves of nodes: at the nodes in both. A pair without TYPE is '// &
          & 'surface to surface where its facets do not match, and under NLGEOM (N0347); in '// &
-         & 'space and under NLGEOM if the whole slave lies opposite the master or is of '// &
+         & 'space and under NLGEOM if what faces the master lies opposite it whole or is of '// &
          & 'metal; never in a run with new meshes.')
       call refuses(table, 'MASSLESS')
       call flag(table, 'SMALL SLIDING', 'Each slave node keeps the plane it met at the start.')
