@@ -32,8 +32,8 @@ class FacetMap(FormingMap):
     def grid(self, panel: str, small: bool) -> tuple[NDArray, NDArray]:
         """The values of x and y: places in FACETS and FRICTION."""
         if small:
-            few = {"convex, lagrange": [1, 3], "hollow, lagrange": [3], "hollow, penalty": [1]}
-            return np.array(few.get(panel, []), int), np.array([3])
+            few = panel in ("convex, lagrange", "hollow, lagrange", "hollow, penalty")
+            return np.array([1, 3])[:2*few], np.array([3])
         return np.arange(len(FACETS)), np.arange(len(FRICTION))[::3 if "STL" in panel else 1]
 
     def scene(self, panel: str, x: float, y: float, frame: Frame = PLAIN, folder=None) -> Built:

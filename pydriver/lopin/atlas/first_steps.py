@@ -29,8 +29,7 @@ class FirstMap(FormingMap):
     def grid(self, panel: str, small: bool) -> tuple[NDArray, NDArray]:
         """The values of x and y: places in FIRST and STRAINS."""
         if small:
-            at = self.panels.index(panel) % 2
-            return np.array([0, 5])[at:at + ("bend" not in panel)], np.array([3])
+            return np.array([0, 5])[:0 if "bend" in panel else 2], np.array([3])
         return np.arange(len(FIRST)), np.arange(len(STRAINS))
 
     def scene(self, panel: str, x: float, y: float, frame: Frame = PLAIN, folder=None) -> Built:

@@ -58,9 +58,7 @@ class LawMap(FormingMap):
     def grid(self, panel: str, small: bool) -> tuple[NDArray, NDArray]:
         """The values of x and y: places in SHARES and LAWS."""
         if small:
-            at = self.panels.index(panel) % 2
-            few = "bend" not in panel and "8R" not in panel
-            return np.array([2]), np.array([1, 3])[at:at + few]
+            return np.array([2]), np.array([1, 3])[:0 if "bend" in panel or "8R" in panel else 2]
         return np.arange(len(SHARES)), np.arange(len(LAWS))
 
     def scene(self, panel: str, x: float, y: float, frame: Frame = PLAIN, folder=None) -> Built:
