@@ -3,6 +3,7 @@
 module lopin_led_bodies
    use lopin_kinds, only : wp
    use lopin_dense, only : symmetric_eigen
+   use lopin_rigid_motions, only : axis_of
    use lopin_scene, only : scene_type
    implicit none
    private
@@ -29,7 +30,7 @@ contains
          if (scene%constraints%rule(id)%prescribed == 0 .or. scene%dofs%dof(id) > 3) cycle
          body = scene%bodies%body(scene%dofs%node(id))
          if (body == 0) cycle
-         axis = axis_of(scene, id)
+         call axis_of(scene%constraints, scene%dofs%node(id), scene%dofs%dof(id), axis)
          associate (moved => dot_product(axis, motion_of(scene, scene%dofs%node(id))))
             way(:, body) = way(:, body) + moved*axis
             moves(body) = moves(body) .or. abs(moved) > 0.0_wp
@@ -47,19 +48,6 @@ contains
          end do
       end do
    end subroutine measure_led
-
-   !> The direction of a variable in the axes of its node.
-   pure function axis_of(scene, id) result(axis)
-      type(scene_type), intent(in) :: scene
-      integer, intent(in) :: id
-      real(wp) :: axis(3)
-
-      axis = 0.0_wp
-      associate (c => scene%constraints, dof => scene%dofs%dof(id), node => scene%dofs%node(id))
-         axis(dof) = 1.0_wp
-         if (c%axes_of(node) > 0) axis = c%axes(dof, :, c%axes_of(node))
-      end associate
-   end function axis_of
 
    pure function motion_of(scene, node) result(moved)
       type(scene_type), intent(in) :: scene

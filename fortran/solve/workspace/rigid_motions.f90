@@ -8,7 +8,7 @@ module lopin_rigid_motions
    use lopin_linear_solver, only : vertices_type
    implicit none
    private
-   public :: find_vertices
+   public :: find_vertices, axis_of
 
 contains
 
