@@ -172,8 +172,9 @@ def draw(scene: str, stages: list, mirrors: list) -> None:
     figure.savefig(Path(__file__).resolve().parents[2]/"docs"/"pictures"/f"{scene}.png", dpi=90)
 
 
-def main(scene: str, folder: Path, chosen: list[int]) -> None:
-    die, name, speed, mirrors = FULL[scene]
+def figures(scene: str, folder: Path) -> dict:
+    """What is told of a run: the last part with results is its end. Lengths in mm, forces in N."""
+    die, name, speed, _ = FULL[scene]
     names = parts(folder, scene)
     while not list(folder.glob(f"{names[-1]}_[0-9]*.vtu")):
         names.pop()
@@ -181,27 +182,49 @@ def main(scene: str, folder: Path, chosen: list[int]) -> None:
     x, cells = end_of(folder, names[-1])
     facets = skin_of(x, cells)
     first, tets = start_of(folder, names[0])
-    whole = [volume_inside(p, boundary_facets([c], 3)[0]) for p, c in ((first, tets), (x, cells))]
+    before, after = (volume_inside(p, boundary_facets([c], 3)[0])
+                     for p, c in ((first, tets), (x, cells)))
     gap, places = clearance(die, folder.parent/f"{name}_upper.stl", speed*table[-1, 0], x, facets)
     worst = int(np.argmax(gap))
-    print(f"{len(names)} meshes, the last of {len(cells)} cells; {work[0]} increments, {work[1]} "
-          f"iterations; stroke {speed*table[-1, 0]:.3f}, force {-table[-1, 1]/1e3:.1f} kN")
-    print(f"volume {whole[0]:.1f} to {whole[1]:.1f}: {100*(whole[1]/whole[0] - 1):+.3f} %")
-    print(f"gap inside the outline: most {gap[worst]:.3f} at {places[worst].round(1)}, mean "
-          f"{gap.mean():.3f}, above 0.05: {100*(gap > 0.05).mean():.1f} %")
-    print("flash beyond the outline: %.2f to %.2f mm" % flash_of(die, x))
-    print(f"skins that face each other across air: {narrowest_slot(x, facets, 2.0)[0]:.2f} mm apart at least")
-    print(phases(folder, names))
-    report = json.loads((folder/f"{scene}.parts.json").read_text())
-    print("remeshes", round(sum(r["seconds"] for r in report["remeshes"]), 1), "s; force at rest",
-          [round(r["force_change"] or 0.0, 4) for r in report["remeshes"]])
+    remeshes = json.loads((folder/f"{scene}.parts.json").read_text())["remeshes"]
+    return {"meshes": len(names), "cells": len(cells), "increments": int(work[0]),
+            "iterations": int(work[1]), "stroke": speed*float(table[-1, 0]),
+            "force": -float(table[-1, 1]), "volumes": (float(before), float(after)),
+            "gap": float(gap[worst]), "gap_at": places[worst].round(1).tolist(),
+            "gap_mean": float(gap.mean()), "gap_above": float((gap > 0.05).mean()),
+            "flash": tuple(map(float, flash_of(die, x))),
+            "slot": float(narrowest_slot(x, facets, 2.0)[0]),
+            "phases": phases(folder, names), "jumps": [r["force_change"] or 0.0 for r in remeshes],
+            "remeshing": sum(r["seconds"] for r in remeshes)}
+
+
+def stages_of(scene: str, folder: Path, chosen: list[int], stroke: float) -> list:
+    """Shapes that parts begin with, or the end (-1), and what stands above each."""
+    names, speed = parts(folder, scene), FULL[scene][2]
     stages = []
     for part in chosen:
-        shape = (x, cells) if part < 0 else start_of(folder, names[part])
-        down = speed*(table[-1, 0] if part < 0 else time_of(folder, names[part]))
+        shape = end_of(folder, names[-1]) if part < 0 else start_of(folder, names[part])
+        down = stroke if part < 0 else speed*time_of(folder, names[part])
         stages.append((shape[0], skin_of(*shape), f"stroke of a die {down:.1f} mm"))
-    if stages:
-        draw(scene, stages, mirrors)
+    return stages
+
+
+def main(scene: str, folder: Path, chosen: list[int]) -> None:
+    """Tell the figures, and draw."""
+    found = figures(scene, folder)
+    before, after = found["volumes"]
+    print("{meshes} meshes, the last of {cells} cells; {increments} increments, {iterations} "
+          "iterations; stroke {stroke:.3f}".format(**found), f"force {found['force']/1e3:.1f} kN")
+    print(f"volume {before:.1f} to {after:.1f}: {100*(after/before - 1):+.3f} %")
+    print("gap inside the outline: most {gap:.3f} at {gap_at}, mean {gap_mean:.3f}, above 0.05: "
+          "{gap_above:.1%}".format(**found))
+    print("flash beyond the outline: %.2f to %.2f mm" % found["flash"])
+    print(f"skins that face each other across air: {found['slot']:.2f} mm apart at least")
+    print(found["phases"])
+    print("remeshes", round(found["remeshing"], 1), "s; force at rest",
+          [round(jump, 4) for jump in found["jumps"]])
+    if chosen:
+        draw(scene, stages_of(scene, folder, chosen, found["stroke"]), FULL[scene][3])
 
 
 if __name__ == "__main__":

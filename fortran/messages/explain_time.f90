@@ -59,6 +59,13 @@ contains
          & 'As E0555, in increments that may not be cut, and more than a quarter of the force: '// &
          & 'polygons pressed into metal were then up to 16 % off in their forces.', &
          & 'smaller increments on *STATIC, or increments without DIRECT.')
+      call rate_explanations(list)
+   end subroutine friction_explanations
+
+   !> What metal that looks at the rate sees of an increment, and what slides on turning tools.
+   subroutine rate_explanations(list)
+      type(explanation_type), allocatable, intent(inout) :: list(:)
+
       call add_explanation(list, 'W0556', 'increments long for metal that looks at the rate', &
          & 'An increment knows the mean rate of its strain, and its stress is that of '// &
          & 'the mean. Where tools move steadily, the rate at the end of an increment that '// &
@@ -66,6 +73,20 @@ contains
          & 'rate^m is m e/2 too low. It is the mean over what flows, weighted by its work, and '// &
          & 'told from 5 % on. Where the rate itself is kept there is no such error.', &
          & 'smaller increments on *STATIC, until m e/2 is below what is asked for.')
+      call add_explanation(list, 'E0567', 'loads drive metal too far in one increment', &
+         & 'As W0567, but where the increment may be cut, and is.', &
+         & 'smaller increments on *STATIC (fourth number).')
+      call add_explanation(list, 'W0567', 'loads drive metal whose rate follows the stress', &
+         & 'Under a given load the stress of a viscous metal is given, and with it its rate. '// &
+         & 'An increment flows as fast as the rate at its end says, which is too far while '// &
+         & 'loads grow: by half of what the plastic power rises in it, times its length. '// &
+         & 'Summed up over the run, beside all plastic work, and told from 5 % on (a block '// &
+         & 'pressed by a force that rose to its end in 3 increments was pressed by 20 % too '// &
+         & 'far). Increments are kept as short as leaves that at some 5 % where metal of '// &
+         & 'm = .145 is pressed by a force that rises from nothing; DIRECT takes them as '// &
+         & 'they are.', &
+         & 'smaller increments on *STATIC (fourth number): half of them leave half; or move '// &
+         & 'the tool by its displacement.')
       call add_explanation(list, 'E0553', 'a tool turns far below what slides on it', &
          & 'On the present shape the slip of an increment is the straight way on the tool from '// &
          & 'where a point was to where it is. Below a point that stands still a tool that '// &
@@ -94,5 +115,5 @@ contains
          & 'tool would have turned far below what slides on it (E0553). It was cut, and the '// &
          & 'way is followed.', &
          & 'nothing to do; a smaller first increment on *STATIC spares the trials.')
-   end subroutine friction_explanations
+   end subroutine rate_explanations
 end module lopin_explain_time

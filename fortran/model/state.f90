@@ -148,7 +148,11 @@ module lopin_state
       real(wp) :: worked = 0.0_wp              !! plastic work of the run when the last one ended
       real(wp) :: power = 0.0_wp               !! plastic, of the last one [energy/time]
       real(wp) :: lasted = 0.0_wp              !! its length [time]
-      real(wp) :: missed = 0.0_wp              !! plastic work that it may have missed [energy]
+      real(wp) :: missed = 0.0_wp              !! plastic work that it may have missed, by all [-]
+      real(wp) :: flow = 0.0_wp                !! plastic power at its end, where loads drive
+                                               !! metal [energy/time]
+      real(wp) :: extra = 0.0_wp               !! plastic work that these did too much [energy]
+      real(wp) :: extra_sum = 0.0_wp           !! the same, of the run [energy]
    contains
       procedure :: pass => pass_clock
    end type clock_state_type
@@ -388,5 +392,8 @@ contains
       call stream%pass(self%power)
       call stream%pass(self%lasted)
       call stream%pass(self%missed)
+      call stream%pass(self%flow)
+      call stream%pass(self%extra)
+      call stream%pass(self%extra_sum)
    end subroutine pass_clock
 end module lopin_state

@@ -21,6 +21,7 @@ module lopin_limit_increment
    use lopin_text, only : to_text
    use lopin_model, only : model_type
    use lopin_friction, only : has_friction
+   use lopin_driven_flow, only : limit_driven
    use lopin_first_increment, only : first_flow
    use lopin_flow_curve, only : is_viscous
    use lopin_material_memory, only : strain_at
@@ -59,14 +60,16 @@ module lopin_limit_increment
 contains
 
    !> Before an increment is accepted: whether it must be shorter.
-   subroutine limit_increment(scene, model, error)
+   subroutine limit_increment(scene, model, load, error)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
+      real(wp), intent(in) :: load(:)          !! (ndof) all loads at its end [force]
       type(error_type), allocatable, intent(out) :: error
 
       scene%newton%passes = .false.
       call limit_flow(scene, model, error)
       if (scene%newton%flows .and. .not. allocated(error)) call limit_transfer(scene, model, error)
+      if (.not. allocated(error)) call limit_driven(scene, model, load, error)
    end subroutine limit_increment
 
    !> More plastic flow than one increment follows, where increments may be cut.

@@ -6,9 +6,10 @@
 !> what it pressed on the die in the end was off by 7 %. By the trapezoidal rule the plastic work
 !> that is missed is half the fall of the power times the length, so that it goes with the square
 !> of the length. The next increment is as long as leaves that below half a per cent of all
-!> plastic work. Power that rises misses nothing: what flows on ends where its strains end. An
+!> plastic work. Power that rises misses nothing where strains are given, or follow the stress:
+!> what flows on ends where its strains end (module lopin_driven_flow has the other case). An
 !> increment much shorter than the one after it (at rest, in a jump) says nothing of how power
-!> falls over that.
+!> changes over that.
 module lopin_falling_power
    use lopin_kinds, only : wp
    use lopin_state, only : state_type
@@ -16,25 +17,29 @@ module lopin_falling_power
    private
    public :: note_power, part_by_power
 
-   !> Plastic work that an increment may miss, beside all of it; least part of the last increment.
+   !> Plastic work that an increment may miss, or that loads do too much, beside all of it; least
+   !> part of the last increment.
    real(wp), parameter :: most_missed = 0.005_wp, least_part = 0.3_wp
    !> Times its length, how far ahead the power of an increment counts.
    real(wp), parameter :: ahead = 3.0_wp
 
 contains
 
-   !> After an increment was accepted: its plastic power, and what it may have missed.
+   !> After an increment was accepted: its plastic power, and what it may have missed, or loads
+   !> have done too much in it.
    subroutine note_power(accepted, length)
       type(state_type), intent(inout) :: accepted
       real(wp), intent(in) :: length           !! of the increment [time]
-      real(wp) :: power
+      real(wp) :: power, fall
 
-      associate (clock => accepted%clock)
-         power = (accepted%solids%work - clock%worked)/length
+      associate (clock => accepted%clock, work => accepted%solids%work)
+         power = (work - clock%worked)/length
          clock%missed = 0.0_wp
-         if (clock%number > 1) clock%missed = max(0.0_wp, 0.5_wp*(clock%power - power) &
-            & *min(length, ahead*clock%lasted))
-         clock%worked = accepted%solids%work
+         if (clock%number > 1 .and. work > 0.0_wp) then
+            fall = 0.5_wp*(clock%power - power)*min(length, ahead*clock%lasted)
+            clock%missed = max(0.0_wp, fall/work, clock%extra/(work + accepted%loads%strain))
+         end if
+         clock%worked = work
          clock%power = power
          clock%lasted = length
       end associate
@@ -45,8 +50,7 @@ contains
       type(state_type), intent(in) :: accepted
 
       part = huge(part)
-      associate (missed => accepted%clock%missed, work => accepted%solids%work)
-         if (missed > 0.0_wp) part = max(least_part, sqrt(most_missed*work/missed))
-      end associate
+      if (accepted%clock%missed > 0.0_wp) part = max(least_part, &
+         & sqrt(most_missed/accepted%clock%missed))
    end function part_by_power
 end module lopin_falling_power

@@ -187,7 +187,7 @@ contains
          if (scene%answer%dependent > 0) call report_dependent(scene, model)
          if (.not. scene%newton%in_use) return
          call remember(scene%solids, model%mesh, scene%trial%motion%u, scene%newton%past, memory)
-         call limit_increment(scene, model, error)
+         call limit_increment(scene, model, forces%load, error)
          if (.not. allocated(error)) call refuse_lost_rows(scene, model, error)
          if (allocated(error)) return
          call add_heat_work(scene, model)

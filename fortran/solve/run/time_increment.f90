@@ -19,6 +19,7 @@ module lopin_time_increment
    use lopin_lagged_friction, only : reads_lagged
    use lopin_limit_increment, only : transfer_id
    use lopin_refuse_lost_rows, only : lost_row_id
+   use lopin_driven_flow, only : driven_id
    use lopin_falling_power, only : part_by_power
    use lopin_touch_order, only : order_id, parts_of_touch
    use lopin_scene, only : scene_type
@@ -153,7 +154,7 @@ contains
             if (.not. clock%time < clock%refused%until .or. clock%refused%pair &
                & /= scene%newton%refused%pair) clock%refused = scene%newton%refused
          end if
-         if (error%item(1)%id == lost_row_id) part = scene%newton%fit
+         if (any(error%item(1)%id == [lost_row_id, driven_id])) part = scene%newton%fit
          if (error%item(1)%id == turn_id) part = steady_turn*most_turn/scene%turned
          call say(recorders, begin//', attempt '//to_text(frame%attempt)//': cut to '// &
             & to_text(part*clock%increment, 4)//', because '//error%item(1)%message)
