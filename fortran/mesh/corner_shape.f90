@@ -98,13 +98,14 @@ contains
       turns_over = .false.
    end function turns_over
 
-   !> Shortest edge as it leaves a corner, twice as long as its half where a node is amid it.
+   !> Shortest edge as it leaves a corner, along its tangent where a node is amid it; without
+   !> corners a number whose square can be told.
    pure real(wp) function shortest_side(self, x) result(shortest)
       type(corners_type), intent(in) :: self
       real(wp), intent(in) :: x(:, :)        !! (ndim, nnode) coordinates [length]
       integer :: a, m
 
-      shortest = huge(1.0_wp)
+      shortest = sqrt(huge(1.0_wp))
       do a = 1, self%n
          do m = 1, self%ndim
             associate (p => x(:self%ndim, a), q => x(:self%ndim, self%end(m, a)))
