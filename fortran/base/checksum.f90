@@ -2,7 +2,8 @@
 !>
 !> FNV-1a with 64 bits over the bytes of the numbers, least significant byte first.
 module lopin_checksum
-   use, intrinsic :: iso_fortran_env, only : int8, int32, int64
+   use, intrinsic :: iso_fortran_env, only : int8, int64
+   use, intrinsic :: iso_c_binding, only : c_int8_t, c_int64_t, c_double
    use lopin_kinds, only : wp
    use lopin_stream, only : stream_type
    implicit none
@@ -22,22 +23,33 @@ module lopin_checksum
       procedure :: keep
    end type checksum_type
 
+   interface
+      pure integer(c_int64_t) function lopin_hash_reals(hash, x, n) bind(c)
+         import :: c_int64_t, c_double
+         integer(c_int64_t), value :: hash, n
+         real(c_double), intent(in) :: x(*)
+      end function lopin_hash_reals
+      pure integer(c_int64_t) function lopin_hash_bytes(hash, bytes, n) bind(c)
+         import :: c_int64_t, c_int8_t
+         integer(c_int64_t), value :: hash, n
+         integer(c_int8_t), intent(in) :: bytes(*)
+      end function lopin_hash_bytes
+   end interface
+
 contains
 
    !> Go on with more numbers, in array element order.
    pure subroutine add(self, values)
       class(checksum_type), intent(inout) :: self
       real(wp), intent(in) :: values(:, :)
-      integer(int64) :: bits
-      integer :: i, j, k
+      integer, parameter :: columns = 64
+      real(wp) :: part(size(values, 1), columns)
+      integer :: j, n
 
-      do j = 1, size(values, 2)
-         do i = 1, size(values, 1)
-            bits = transfer(values(i, j), bits)
-            do k = 0, 56, 8
-               call add_word(self, ibits(bits, k, 8))
-            end do
-         end do
+      do j = 1, size(values, 2), columns
+         n = min(columns, size(values, 2) - j + 1)
+         part(:, :n) = values(:, j:j + n - 1)
+         call set(self, lopin_hash_reals(hash_of(self), part, size(values, 1, int64)*n))
       end do
    end subroutine add
 
@@ -45,16 +57,23 @@ contains
    pure subroutine add_bytes(self, bytes)
       class(checksum_type), intent(inout) :: self
       integer(int8), contiguous, intent(in) :: bytes(:)
-      integer(int64) :: i, n
 
-      n = 4*(size(bytes, kind=int64)/4)
-      do i = 1, n, 4
-         call add_word(self, iand(int(transfer(bytes(i:i + 3), 0_int32), int64), lower_half))
-      end do
-      do i = n + 1, size(bytes, kind=int64)
-         call add_word(self, iand(int(bytes(i), int64), 255_int64))
-      end do
+      call set(self, lopin_hash_bytes(hash_of(self), bytes, size(bytes, kind=int64)))
    end subroutine add_bytes
+
+   !> The 64 bits together.
+   pure integer(int64) function hash_of(self)
+      class(checksum_type), intent(in) :: self
+      hash_of = ior(shiftl(self%high, 32), self%low)
+   end function hash_of
+
+   pure subroutine set(self, hash)
+      class(checksum_type), intent(inout) :: self
+      integer(int64), intent(in) :: hash
+
+      self%high = shiftr(hash, 32)
+      self%low = iand(hash, lower_half)
+   end subroutine set
 
    !> Go on with the bytes of a text.
    pure subroutine add_text(self, text)

@@ -1,6 +1,6 @@
 !> Short vectors: cross products, normals and norms used on several floors.
 module lopin_vectors
-   use, intrinsic :: ieee_arithmetic, only : ieee_is_nan
+   use, intrinsic :: iso_fortran_env, only : int64
    use lopin_kinds, only : wp
    implicit none
    private
@@ -27,18 +27,25 @@ contains
    end function across
 
    !> Largest size of an entry; zero of an empty list. NaN if an entry is: maxval passes over it.
+   !>
+   !> Without their sign the bits of real numbers follow each other as their sizes do, NaN last.
    pure real(wp) function largest(x)
       real(wp), intent(in) :: x(:)
-      integer :: i
+      integer, parameter :: lanes = 4
+      integer(int64), parameter :: unsigned = huge(0_int64)
+      integer(int64) :: most(lanes)
+      integer :: i, k
 
-      largest = 0.0_wp
-      do i = 1, size(x)
-         if (ieee_is_nan(x(i))) then
-            largest = x(i)
-            return
-         end if
-         largest = max(largest, abs(x(i)))
+      most = 0_int64
+      do i = 1, size(x) - lanes + 1, lanes
+         do k = 1, lanes
+            most(k) = max(most(k), iand(transfer(x(i + k - 1), most(k)), unsigned))
+         end do
       end do
+      do i = size(x) - mod(size(x), lanes) + 1, size(x)
+         most(1) = max(most(1), iand(transfer(x(i), most(1)), unsigned))
+      end do
+      largest = transfer(maxval(most), largest)
    end function largest
 
    !> (1 + h)**-1 of a regular deformation.

@@ -255,7 +255,13 @@ contains
       integer :: j, k
 
       do j = 1, self%n
-         k = self%slot(j, j)
+         ! In a lower triangle it is first in its column.
+         k = 0
+         if (self%kind == storage%symmetric_lower .and. self%colptr(j) < self%colptr(j + 1)) then
+            if (self%row(self%colptr(j) + 1) == j - 1) k = self%colptr(j) + 1
+         else
+            k = self%slot(j, j)
+         end if
          d(j) = 0.0_wp
          if (k > 0) d(j) = self%value(k)
       end do

@@ -1,7 +1,7 @@
 !> Small dense solves on LAPACK: definite, semi-definite, and bordered by equilibrium conditions.
 module lopin_dense
    use lopin_kinds, only : wp
-   use lopin_blas, only : dpotrf, dpotrs, dtrsm, dsyev
+   use lopin_blas, only : dpotrf, dpotrs, dtrsm, dtrsv, dsyev
    implicit none
    private
    public :: cholesky, cholesky_solve, lower_solve, bordered_solve, symmetric_eigen
@@ -24,13 +24,14 @@ contains
       if (size(a, 1) > 0) call dpotrf('L', size(a, 1), a, size(a, 1), status)
    end subroutine cholesky
 
-   !> x <- (L L^T)^-1 x.
+   !> x <- (L L^T)^-1 x. Of one column dpotrs would copy the whole triangle into blocks first.
    subroutine cholesky_solve_one(l, x)
       real(wp), contiguous, intent(in) :: l(:, :)
       real(wp), contiguous, intent(inout) :: x(:)
-      integer :: status
 
-      if (size(x) > 0) call dpotrs('L', size(x), 1, l, size(x), x, size(x), status)
+      if (size(x) == 0) return
+      call dtrsv('L', 'N', 'N', size(x), l, size(x), x, 1)
+      call dtrsv('L', 'T', 'N', size(x), l, size(x), x, 1)
    end subroutine cholesky_solve_one
 
    subroutine cholesky_solve_many(l, x)

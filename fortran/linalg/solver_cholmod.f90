@@ -342,8 +342,9 @@ contains
       integer :: m, status
 
       m = self%n - self%nlast
-      status = lopin_cholmod_solve(self%handle, system%lower_transposed, 1, &
-         & [b(:m), b(m + self%place)], inner)
+      inner(:m) = b(:m)
+      inner(m + 1:) = b(m + self%place)
+      status = lopin_cholmod_solve(self%handle, system%lower_transposed, 1, inner, inner)
       if (status /= code%ok) inner = ieee_value(1.0_wp, ieee_quiet_nan)
       y(self%order) = inner
    end subroutine backward

@@ -1,6 +1,17 @@
 /* Solutions with a supernodal factor in double precision, of one right-hand side or many. */
 #include <stdlib.h>
+#include <string.h>
 #include "supernodal.h"
+
+#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__gnu_linux__)
+#define FOR_EACH_PROCESSOR __attribute__((target_clones("avx2", "default")))
+#define FETCH(place) __builtin_prefetch(place)
+#else
+#define FOR_EACH_PROCESSOR
+#define FETCH(place) (void)0
+#endif
+enum { PARTS = 4, AT_A_TIME = 4 };
+typedef double parts_type __attribute__((vector_size(PARTS * sizeof(double))));
 
 extern void dtrsv_(const char *, const char *, const char *, const int *, const double *,
                    const int *, double *, const int *);
@@ -62,24 +73,91 @@ static void forward(const supernodal_plan *h, const double *x, int m, double *y,
     }
 }
 
+/* z <- L^-T z of one supernode of `rows` rows and `columns` columns: below its triangle z is known.
+ * The pass waits for the factor to come from memory: it is read once, four columns at a time, and
+ * the four columns that follow are asked for ahead. The order of the sums is that of the text on
+ * every processor, and nothing is fused. */
+FOR_EACH_PROCESSOR
+static void solve_supernode(const double *restrict l, int columns, int rows, double *restrict z)
+{
+    const ptrdiff_t ahead = (ptrdiff_t)AT_A_TIME * rows;
+    int i, j, k, m, tail = columns % AT_A_TIME;
+    for (j = columns - 1; j >= columns - tail; j--) {
+        const double *a = l + (size_t)j * (size_t)rows;
+        parts_type sum = {0.0}, own, of_z;
+        double s;
+        for (i = j + 1; i + PARTS <= rows; i += PARTS) {
+            memcpy(&of_z, z + i, sizeof of_z);
+            memcpy(&own, a + i, sizeof own);
+            sum += own * of_z;
+        }
+        s = (sum[0] + sum[2]) + (sum[1] + sum[3]);
+        for (; i < rows; i++) s += a[i] * z[i];
+        z[j] = (z[j] - s) / a[j];
+    }
+    for (j = columns - tail - AT_A_TIME; j >= 0; j -= AT_A_TIME) {
+        const double *a = l + (size_t)j * (size_t)rows, *b = a + rows, *c = b + rows, *d = c + rows;
+        const double *column[AT_A_TIME] = {a, b, c, d};
+        parts_type of_a = {0.0}, of_b = {0.0}, of_c = {0.0}, of_d = {0.0}, own, of_z;
+        double s[AT_A_TIME];
+        for (i = j + AT_A_TIME; i + PARTS <= rows; i += PARTS) {
+            FETCH(a + i - ahead);
+            FETCH(b + i - ahead);
+            FETCH(c + i - ahead);
+            FETCH(d + i - ahead);
+            memcpy(&of_z, z + i, sizeof of_z);
+            memcpy(&own, a + i, sizeof own);
+            of_a += own * of_z;
+            memcpy(&own, b + i, sizeof own);
+            of_b += own * of_z;
+            memcpy(&own, c + i, sizeof own);
+            of_c += own * of_z;
+            memcpy(&own, d + i, sizeof own);
+            of_d += own * of_z;
+        }
+        s[0] = (of_a[0] + of_a[2]) + (of_a[1] + of_a[3]);
+        s[1] = (of_b[0] + of_b[2]) + (of_b[1] + of_b[3]);
+        s[2] = (of_c[0] + of_c[2]) + (of_c[1] + of_c[3]);
+        s[3] = (of_d[0] + of_d[2]) + (of_d[1] + of_d[3]);
+        for (k = 0; k < AT_A_TIME; k++)
+            for (m = i; m < rows; m++) s[k] += column[k][m] * z[m];
+        for (k = AT_A_TIME - 1; k >= 0; k--) {
+            for (m = k + 1; m < AT_A_TIME; m++) s[k] += column[k][j + m] * z[j + m];
+            z[j + k] = (z[j + k] - s[k]) / column[k][j + k];
+        }
+    }
+}
+
+/* y (n) <- L^-T y; z: room for the rows of a supernode. */
+static void backward_one(const supernodal_plan *h, const double *x, double *y, double *z)
+{
+    for (int s = h->nsuper - 1; s >= 0; s--) {
+        block_type b = block_of(h, x, s);
+        double *top = y + h->super[s];
+        memcpy(z, top, (size_t)b.columns * sizeof *z);
+        take(&b, h->n, 1, y, z + b.columns, 0);
+        solve_supernode(b.l, b.columns, b.rows, z);
+        memcpy(top, z, (size_t)b.columns * sizeof *z);
+    }
+}
+
 /* y (n, m) <- L^-T y. */
 static void backward(const supernodal_plan *h, const double *x, int m, double *y, double *part)
 {
     const int n = h->n;
+    if (m == 1) {
+        backward_one(h, x, y, part);
+        return;
+    }
     for (int s = h->nsuper - 1; s >= 0; s--) {
         block_type b = block_of(h, x, s);
         double *top = y + h->super[s];
         if (b.below) {
             take(&b, n, m, y, part, 0);
-            if (m == 1)
-                dgemv_("C", &b.below, &b.columns, &minus, b.under, &b.rows, part, &step, &one, top,
-                       &step);
-            else
-                dgemm_("C", "N", &b.columns, &m, &b.below, &minus, b.under, &b.rows, part,
-                       &b.below, &one, top, &n);
+            dgemm_("C", "N", &b.columns, &m, &b.below, &minus, b.under, &b.rows, part, &b.below,
+                   &one, top, &n);
         }
-        if (m == 1) dtrsv_("L", "C", "N", &b.columns, b.l, &b.rows, top, &step);
-        else dtrsm_("L", "L", "C", "N", &b.columns, &m, &one, b.l, &b.rows, top, &n);
+        dtrsm_("L", "L", "C", "N", &b.columns, &m, &one, b.l, &b.rows, top, &n);
     }
 }
 
@@ -87,6 +165,15 @@ int lopin_supernodal_solve(const supernodal_plan *plan, const double *x, int sys
                            const double *b, double *out)
 {
     size_t n = (size_t)plan->n, m = (size_t)columns;
+    if (system != CHOLMOD_A && m == 1) {
+        double *part = malloc((size_t)plan->most_rows * sizeof(double) + 1);
+        if (!part) return SUPERNODAL_NO_MEMORY;
+        if (out != b) memcpy(out, b, n * sizeof(double));
+        if (system == CHOLMOD_L) forward(plan, x, 1, out, part);
+        else backward(plan, x, 1, out, part);
+        free(part);
+        return SUPERNODAL_OK;
+    }
     double *y = malloc((n + (size_t)plan->most_rows) * m * sizeof(double) + 1);
     if (!y) return SUPERNODAL_NO_MEMORY;
     for (size_t j = 0; j < m; j++)

@@ -9,7 +9,7 @@ module lopin_corner_shape
    use lopin_cells, only : cell_type
    implicit none
    private
-   public :: corners_type, new_corners, worst_corner, turns_over
+   public :: corners_type, new_corners, worst_corner, turns_over, shortest_side
 
    !> The corners of a cell and what leaves them.
    type :: corners_type
@@ -97,6 +97,28 @@ contains
       end do
       turns_over = .false.
    end function turns_over
+
+   !> Shortest edge as it leaves a corner, along its tangent where a node is amid it; without
+   !> corners a number whose square can be told.
+   pure real(wp) function shortest_side(self, x) result(shortest)
+      type(corners_type), intent(in) :: self
+      real(wp), intent(in) :: x(:, :)        !! (ndim, nnode) coordinates [length]
+      integer :: a, m
+
+      shortest = sqrt(huge(1.0_wp))
+      do a = 1, self%n
+         do m = 1, self%ndim
+            associate (p => x(:self%ndim, a), q => x(:self%ndim, self%end(m, a)))
+               if (self%middle(m, a) > 0) then
+                  shortest = min(shortest, norm2(4.0_wp*x(:self%ndim, self%middle(m, a)) &
+                     & - 3.0_wp*p - q))
+               else
+                  shortest = min(shortest, norm2(q - p))
+               end if
+            end associate
+         end do
+      end do
+   end function shortest_side
 
    !> Determinant of the unit edges that leave a corner; an edge without length counts as flat.
    pure real(wp) function at_corner(self, a, x) result(value)

@@ -175,6 +175,12 @@ contains
       real(wp), intent(out) :: u(:)           !! (ndof)
       integer :: i, k
 
+      if (self%plain) then
+         ! A sum from zero, as below: it has no negative zeros.
+         u(self%dof_of_equation) = 0.0_wp + v(:self%neq)
+         u(self%dof_of_prescribed) = 0.0_wp + prescribed(:self%nprescribed)
+         return
+      end if
       do i = 1, self%ndof
          u(i) = 0.0_wp
          do k = self%first(i), self%first(i + 1) - 1
@@ -193,6 +199,10 @@ contains
       real(wp), intent(out) :: r(:)           !! (neq)
       integer :: i, k
 
+      if (self%plain) then
+         r(:self%neq) = 0.0_wp + f(self%dof_of_equation)
+         return
+      end if
       r = 0.0_wp
       do i = 1, self%ndof
          do k = self%first(i), self%first(i + 1) - 1
@@ -208,6 +218,10 @@ contains
       real(wp), intent(out) :: r(:)           !! (nprescribed)
       integer :: i, k
 
+      if (self%plain) then
+         r(:self%nprescribed) = 0.0_wp + f(self%dof_of_prescribed)
+         return
+      end if
       r = 0.0_wp
       do i = 1, self%ndof
          do k = self%pfirst(i), self%pfirst(i + 1) - 1

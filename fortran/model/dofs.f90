@@ -15,6 +15,7 @@ module lopin_dofs
       integer, allocatable :: node(:)     !! (n) node of a dof; the reference node for rotations
       integer, allocatable :: dof(:)      !! (n) 1..6
       logical, allocatable :: alone(:)    !! (nnode) of no element and no body: only in equations
+      logical :: rotate = .false.         !! some are rotations
    end type dofs_type
 
 contains
@@ -57,6 +58,7 @@ contains
             self%dof(self%id(k, node)) = k
          end do
       end do
+      self%rotate = any(self%dof > 3)
       do body = 1, size(model%rigid_body)
          associate (rigid => model%rigid_body(body))
             if (rigid%rotation > 0) self%id(1:3, rigid%rotation) = self%id(4:6, rigid%reference)

@@ -24,5 +24,17 @@ program test_checksum
    parts = checksum_type()
    call parts%add(x)
    call is_true('another bit', parts%text() /= whole%text())
+
+   call test('zeros count as they do one by one')
+   whole = checksum_type()
+   parts = checksum_type()
+   x = 0.0_wp
+   x(:2, :) = 1.0_wp
+   call whole%add(x)
+   do i = 1, 4
+      call parts%add(x(:2, i:i))
+      call parts%add_text(repeat(achar(0), 8))
+   end do
+   call equal_text('as eight bytes', parts%text(), whole%text())
    call finish()
 end program test_checksum

@@ -1,10 +1,12 @@
 program test_corner_shape
    use lopin_kinds, only : wp
    use lopin_cells, only : cell_type, cell_names, cell_id, new_cell
-   use lopin_corner_shape, only : worst_corner
+   use lopin_corner_shape, only : corners_type, new_corners, worst_corner, turns_over, &
+      & shortest_side
    use check, only : test, close_to, is_true, finish
    implicit none
    type(cell_type) :: cell
+   type(corners_type) :: corners
    real(wp) :: value, x(3, 20), angle
    integer :: corner, id, k
    logical :: found
@@ -20,6 +22,24 @@ program test_corner_shape
       x(1, :) = -x(1, :)
       call worst_corner(cell, x(:cell%ndim, :), angle, corner)
       call is_true('mirrored', angle < 0.0_wp)
+   end do
+
+   call test('nodes that move less than the spare way of a cell turn no corner over')
+   do id = cell_id%triangle, cell_id%hexahedron20
+      call new_cell(cell, trim(cell_names(id)), found)
+      call new_corners(corners, cell)
+      call worst_corner(corners, cell%xi(:cell%ndim, :), value, corner)
+      value = value*shortest_side(corners, cell%xi(:cell%ndim, :)) &
+         & /(7.0_wp*merge(8.0_wp, 2.0_wp, cell%quadratic))
+      do k = 1, 40
+         ! Against the first node, in directions that differ from node to node.
+         x(:cell%ndim, :cell%nnode) = cell%xi(:cell%ndim, :cell%nnode)
+         do corner = 2, cell%nnode
+            angle = 2.4_wp*k*corner
+            x(:2, corner) = x(:2, corner) + 0.999_wp*value*[cos(angle), sin(angle)]
+         end do
+         call is_true('stands', .not. turns_over(corners, x(:cell%ndim, :cell%nnode)))
+      end do
    end do
 
    call test('a corner that folds is found: the sine of its angle')

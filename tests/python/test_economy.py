@@ -5,6 +5,7 @@ apart, in test_far_pairs.py.
 """
 import json
 import subprocess
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -92,6 +93,14 @@ def test_without_contact_nothing_is_searched(solve, executable, tmp_path):
                    capture_output=True, check=True)
     steps = json.loads((tmp_path/"none"/"none.json").read_text())["steps"]
     assert all(sum(s.get("search", {"queries": 0}).values()) == 0 for s in steps)
+
+
+def test_a_tool_that_a_force_moves_takes_one_backward_pass(solve):
+    """While it moves on, only what moves it is solved for; all else follows once it rests."""
+    decks = Path(__file__).resolve().parents[2]/"decks"
+    text = (decks/"rough_punch.inp").read_text(encoding="utf-8")
+    result = solve(Deck.parse(text, "rough_punch", decks))
+    assert total(result, "back_solves") == total(result, "increments")
 
 
 @pytest.mark.parametrize("nlgeom", [False, True])

@@ -49,7 +49,6 @@ contains
       if (.not. any(wanted .and. work%equations%group == 0)) wanted = .true.
       t = pack([(i, i=1, self%nrow)], wanted .and. work%equations%group == 0)
       if (size(t) == 0) return
-      held = self%s(t, t)
       call take_normals(self, work, pack([(i, i=1, self%nrow)], wanted &
          & .and. work%equations%group > 0), t, held)
       do i = 1, size(t)
@@ -80,15 +79,19 @@ contains
       type(condensed_type), intent(inout) :: self
       type(work_type), intent(in) :: work
       integer, intent(in) :: n(:), t(:)
-      real(wp), intent(inout) :: held(:, :)
+      real(wp), allocatable, intent(out) :: held(:, :)   !! (size(t), size(t)) [length/force]
       real(wp), allocatable :: a(:, :), across(:, :)
       integer :: pivot(self%nq), i, m, status
 
       m = size(t)
-      if (size(n) + self%nq == 0) return
+      if (size(n) + self%nq == 0) then
+         held = self%s(t, t)
+         return
+      end if
       call eliminate_normals(self%eliminated, self%s, self%c, n, t, work%equations%compliance(n) &
          & + work%equations%extra(n))
       if (.not. self%eliminated%regular) then
+         held = self%s(t, t)
          call take_together(self, work, n, t, held)
          return
       end if
@@ -100,7 +103,10 @@ contains
             end do
             across = h(m + 1:, :m)
             call dgetrf(self%nq, self%nq, a, self%nq, pivot, status)
-            if (status /= 0) return
+            if (status /= 0) then
+               held = self%s(t, t)
+               return
+            end if
             call dgetrs('N', self%nq, m, a, self%nq, pivot, across, self%nq, status)
             held = h(:m, :m) - matmul(h(:m, m + 1:), across)
          else

@@ -157,8 +157,9 @@ contains
 
       n = size(right)
       t = n - self%nq
+      most = 0.0_wp
       do i = 1, n
-         most(i) = maxval(abs(a(i, :)))
+         most = max(most, abs(a(:, i)))
       end do
       most(:t) = max(most(:t), work%equations%c(held%tangent)*held%most)
       do i = 1, self%nq

@@ -101,11 +101,12 @@ contains
       integer :: body(scene%constraints%neq), i, b
 
       work = 0.0_wp
-      call bodies_of_equations(scene, model, body)
       allocate (force(2, scene%bodies%nbody + size(model%rigid_body)), source=0.0_wp)
       do i = 1, size(body)
-         if (body(i) == 0) cycle
-         force(:, body(i)) = max(force(:, body(i)), abs([before(i), now(i)]))
+         ! Contact pushes few equations.
+         if (before(i) == 0.0_wp .and. now(i) == 0.0_wp) cycle
+         b = body_of_equation(scene, model, i)
+         if (b > 0) force(:, b) = max(force(:, b), abs([before(i), now(i)]))
       end do
       if (scene%newton%in_use .and. scene%newton%grounded == 0) return
       least = no_force*maxval(force)
@@ -116,6 +117,9 @@ contains
          all_motions(b, b) = 1.0_wp
       end do
       call rigid_part(scene, all_motions, moved)
+      do i = 1, size(body)
+         body(i) = body_of_equation(scene, model, i)
+      end do
       allocate (power, source=0.0_wp*force)
       do i = 1, size(body)
          if (body(i) > 0) power(:, body(i)) = power(:, body(i)) + [before(i), now(i)]*moved(i)
@@ -209,24 +213,21 @@ contains
       end associate
    end function work_of_sliding
 
-   !> Deformable body of each free equation, or rigid body behind them; 0: neither.
-   subroutine bodies_of_equations(scene, model, body)
+   !> Deformable body of a free equation, or rigid body behind them; 0: neither.
+   pure integer function body_of_equation(scene, model, equation) result(body)
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
-      integer, intent(out) :: body(:)          !! (neq)
-      integer :: i, k
+      integer, intent(in) :: equation
+      integer :: k
 
-      do i = 1, size(body)
-         associate (node => scene%dofs%node(scene%constraints%dof_of_equation(i)))
-            body(i) = scene%bodies%body(node)
-            if (body(i) > 0) cycle
-            do k = 1, size(model%rigid_body)
-               if (model%rigid_body(k)%reference == node) body(i) = scene%bodies%nbody + k
-               if (body(i) > 0) exit
-            end do
-         end associate
-      end do
-   end subroutine bodies_of_equations
+      associate (node => scene%dofs%node(scene%constraints%dof_of_equation(equation)))
+         body = scene%bodies%body(node)
+         do k = 1, size(model%rigid_body)
+            if (body > 0) exit
+            if (model%rigid_body(k)%reference == node) body = scene%bodies%nbody + k
+         end do
+      end associate
+   end function body_of_equation
 
    !> The part of the motion of the increment that some floating motions make.
    subroutine rigid_part(scene, motion, moved)

@@ -3,7 +3,7 @@ module lopin_certificate
    use lopin_kinds, only : wp
    use lopin_text, only : to_text
    use lopin_vectors, only : largest
-   use lopin_one_unit, only : as_forces
+   use lopin_one_unit, only : as_forces, to_forces, largest_force
    use lopin_model, only : model_type
    use lopin_report, only : certificate_type, energy_type
    use lopin_body_size, only : thinnest
@@ -68,25 +68,24 @@ contains
       real(wp), intent(in) :: prescribed(:)    !! (nprescribed) [length]
       real(wp) :: free(scene%constraints%neq), floor(scene%constraints%neq)
       real(wp) :: reference, work, passed, noise, rounded
-      integer :: i
 
       call reduce(scene%constraints, forces%residual, free)
-      noise = noise_of_places(scene, model)
-      call floor_of_forces(scene, model, floor)
+      noise = noise_of_places(scene)
+      call floor_of_forces(scene, floor)
       ! Linear solids without stresses of the start have no forces that cancel at every node.
-      associate (c => scene%constraints, all => [(i, i=1, scene%dofs%n)])
-         free = as_forces(scene, free, c%dof_of_equation)
-         floor = as_forces(scene, floor, c%dof_of_equation)
-         reference = max(largest(as_forces(scene, forces%load, all)), largest(as_forces(scene, &
-            & forces%reaction, c%dof_of_prescribed)), largest(as_forces(scene, forces%internal, &
-            & all)), largest(floor))
+      associate (c => scene%constraints)
+         call to_forces(scene, free, c%dof_of_equation)
+         call to_forces(scene, floor, c%dof_of_equation)
+         reference = max(largest_force(scene, forces%load), largest(as_forces(scene, &
+            & forces%reaction, c%dof_of_prescribed)), largest_force(scene, forces%internal), &
+            & largest(floor))
       end associate
       if (reference > 0.0_wp) then
          self%equilibrium = beyond(free, floor)/reference
          self%support = beyond(free(scene%bodies%support), floor(scene%bodies%support))/reference
       end if
       call check_contact(self, energy, scene, model, noise)
-      energy%strain = 0.5_wp*dot_product(scene%trial%motion%u, forces%internal)
+      call sum_works(scene%trial%motion%u, forces, energy%strain, work, passed)
       call check_work(self, energy, scene, largest(floor))
       call check_hourglass(self, energy, scene, model)
       self%obeys = obeys_deck(model)
@@ -96,14 +95,34 @@ contains
       call check_action(self, scene, model, forces%pressed)
       ! Clapeyron: at equilibrium loads, contact and reactions do twice the stored energy's work.
       ! Where the forces all but cancel no energy is stored: what they do one by one is the measure.
-      work = dot_product(scene%trial%motion%u, forces%load + forces%pressed) &
-         & + dot_product(forces%reaction, prescribed)
-      passed = max(dot_product(abs(scene%trial%motion%u), abs(forces%load) + abs(forces%pressed) &
-         & + abs(forces%internal)), largest(floor)*largest(scene%trial%motion%u)/balance_limit)
+      work = work + dot_product(forces%reaction, prescribed)
+      passed = max(passed, largest(floor)*largest(scene%trial%motion%u)/balance_limit)
       if (passed > 0.0_wp) self%energy = abs(work - 2.0_wp*energy%strain)/passed
       call check_corners(self, scene, model)
       call give_verdict(self, rounded)
    end subroutine certify
+
+   !> What forces do on displacements u from rest.
+   pure subroutine sum_works(u, forces, strain, work, passed)
+      real(wp), intent(in) :: u(:)             !! (ndof) [length]
+      type(forces_type), intent(in) :: forces
+      real(wp), intent(out) :: strain          !! half of that of internal forces [energy]
+      real(wp), intent(out) :: work            !! of loads and contact [energy]
+      real(wp), intent(out) :: passed          !! sizes of all of them, one by one [energy]
+      integer :: i
+
+      strain = 0.0_wp
+      work = 0.0_wp
+      passed = 0.0_wp
+      associate (internal => forces%internal, load => forces%load, pressed => forces%pressed)
+         do i = 1, size(u)
+            strain = strain + u(i)*internal(i)
+            work = work + u(i)*(load(i) + pressed(i))
+            passed = passed + abs(u(i))*(abs(load(i)) + abs(pressed(i)) + abs(internal(i)))
+         end do
+      end associate
+      strain = 0.5_wp*strain
+   end subroutine sum_works
 
    !> Gaps made from the displacements against those the contact forces were found with, beside what
    !> the forces do to gaps: the share of the forces that rounding made. A stiff penalty loses
@@ -259,6 +278,7 @@ contains
       if (.not. closed_loop) return
       total = 0.0_wp
       do dof = 1, scene%dofs%n
+         if (pressed(dof) == 0.0_wp) cycle
          if (scene%dofs%dof(dof) > 3) cycle
          total(scene%dofs%dof(dof)) = total(scene%dofs%dof(dof)) + pressed(dof)
       end do

@@ -36,10 +36,19 @@ module lopin_check_drift
    !> Ways below this share of the bodies are how they come to rest.
    real(wp), parameter :: at_rest = 1.0e-6_wp
 
+   !> The floating motions of a body, made orthonormal once a step.
+   type :: fit_type
+      integer, allocatable :: own(:)       !! equations of the body
+      real(wp), allocatable :: basis(:, :)    !! (size(own), nq); 0: follows from those before it
+      real(wp), allocatable :: way(:, :)   !! (nq, nq) amplitudes of each
+   end type fit_type
+
    type :: drift_type
       real(wp), allocatable :: way(:)      !! (nbody) moved since a force last acted on it [length]
       real(wp), allocatable :: carried(:)  !! (nbody) moved since it last rested or was deformed
       real(wp), allocatable :: path(:, :)  !! (nq, nbody) that motion
+      integer :: step = 0, neq = 0         !! to which the fits belong, and its equations
+      type(fit_type), allocatable :: fit(:)   !! (nbody)
    end type drift_type
 
 contains
@@ -50,10 +59,10 @@ contains
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
       real(wp), intent(in) :: load(:), pressed(:)   !! (ndof) loads and contact forces [force]
-      real(wp), allocatable :: q(:), stiffness(:), change(:)
-      real(wp) :: force, moved, strayed, most, largest
+      real(wp), allocatable :: q(:), change(:), force(:), most(:)
+      real(wp) :: moved, strayed, largest
       logical :: glued(scene%bodies%nbody)
-      integer :: b, i
+      integer :: b
 
       if (.not. allocated(self%way)) allocate (self%way(scene%bodies%nbody), &
          & self%carried(scene%bodies%nbody), source=0.0_wp)
@@ -69,26 +78,20 @@ contains
          allocate (self%path(scene%bodies%nq, scene%bodies%nbody), source=0.0_wp)
          self%carried = 0.0_wp
       end if
-      allocate (stiffness(scene%dofs%n))
-      call scene%k%diagonal(stiffness)
       change = scene%trial%motion%u - scene%accepted%motion%u
       largest = maxval(abs(change))
       call find_glued(scene, model, glued)
+      call note_forces(scene, load, pressed, force, most)
+      if (self%step /= scene%step .or. self%neq /= scene%constraints%neq) &
+         & call new_fits(self, scene)
       do b = 1, scene%bodies%nbody
-         force = 0.0_wp
-         most = 0.0_wp
-         do i = 1, scene%dofs%n
-            if (scene%bodies%body(scene%dofs%node(i)) /= b) cycle
-            force = max(force, abs(load(i)), abs(pressed(i)))
-            most = max(most, stiffness(i))
-         end do
          if (glued(b) .or. .not. floats(scene%bodies, b)) then
             self%way(b) = 0.0_wp
             self%carried(b) = 0.0_wp
             cycle
          end if
-         call fit_motion(scene, change, b, q, moved, strayed)
-         if (force > no_force*most*max(moved, self%way(b))) then
+         call fit_motion(self%fit(b), scene, change, q, moved, strayed)
+         if (force(b) > no_force*most(b)*max(moved, self%way(b))) then
             self%way(b) = 0.0_wp
             call carry(self%carried(b), self%path(:, b), q, moved, strayed, largest)
          else if (strayed <= rigid*moved) then
@@ -96,6 +99,23 @@ contains
          end if
       end do
    end subroutine measure_drift
+
+   !> The largest load or contact force on each body, and its largest stiffness.
+   pure subroutine note_forces(scene, load, pressed, force, most)
+      type(scene_type), intent(in) :: scene
+      real(wp), intent(in) :: load(:), pressed(:)   !! (ndof) [force]
+      real(wp), allocatable, intent(out) :: force(:), most(:)   !! (nbody)
+      integer :: i
+
+      allocate (force(scene%bodies%nbody), most(scene%bodies%nbody), source=0.0_wp)
+      do i = 1, scene%dofs%n
+         associate (b => scene%bodies%body(scene%dofs%node(i)))
+            if (b == 0) cycle
+            force(b) = max(force(b), abs(load(i)), abs(pressed(i)))
+            most(b) = max(most(b), scene%stiffness(i))
+         end associate
+      end do
+   end subroutine note_forces
 
    !> Whether some floating motion moves a body.
    pure logical function floats(bodies, body)
@@ -152,6 +172,7 @@ contains
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       type(contact_field_type), intent(in) :: contact(:)   !! by pair, at the end
+      type(fit_type) :: fit
       real(wp), allocatable :: q(:)
       character(len=:), allocatable :: why, help
       real(wp) :: moved, strayed, way, away
@@ -165,7 +186,8 @@ contains
          drifts = min(self%way(b), away) > at_rest*scene%bodies%length
          if (.not. drifts .and. min(self%carried(b), away) <= far*scene%bodies%length) cycle
          if (drifts) then
-            call fit_motion(scene, scene%trial%motion%u, b, q, moved, strayed)
+            call new_fit(fit, scene, b)
+            call fit_motion(fit, scene, scene%trial%motion%u, q, moved, strayed)
             if (.not. moved > 0.0_wp) cycle
             way = self%way(b)
             why = 'no force acts on it'
@@ -273,45 +295,81 @@ contains
          & turn(1)*arm(2) - turn(2)*arm(1)]
    end function motion_at
 
-   !> The floating motion nearest to displacements of a body, and what is left of them.
-   subroutine fit_motion(scene, u, body, q, moved, strayed)
+   !> The floating motions of all bodies in this step: they follow from its supports.
+   subroutine new_fits(self, scene)
+      type(drift_type), intent(inout) :: self
       type(scene_type), intent(in) :: scene
-      real(wp), intent(in) :: u(:)                !! (ndof) [length]
+      integer :: b
+
+      if (allocated(self%fit)) deallocate (self%fit)
+      allocate (self%fit(scene%bodies%nbody))
+      do b = 1, size(self%fit)
+         if (floats(scene%bodies, b)) call new_fit(self%fit(b), scene, b)
+      end do
+      self%step = scene%step
+      self%neq = scene%constraints%neq
+   end subroutine new_fits
+
+   !> Gram and Schmidt on the floating motions of a body; motions of other bodies vanish here.
+   subroutine new_fit(self, scene, body)
+      type(fit_type), intent(out) :: self
+      type(scene_type), intent(in) :: scene
       integer, intent(in) :: body
-      real(wp), allocatable, intent(out) :: q(:)  !! (nq) amplitudes
-      real(wp), intent(out) :: moved, strayed     !! largest components [length]
-      real(wp), allocatable :: basis(:, :), left(:)
-      real(wp) :: way(scene%bodies%nq, scene%bodies%nq), share, before
-      integer, allocatable :: own(:)           !! equations of the body
+      real(wp) :: share, before
       integer :: i, k, m, n
 
-      own = pack([(i, i=1, scene%constraints%neq)], &
+      self%own = pack([(i, i=1, scene%constraints%neq)], &
          & scene%bodies%body(scene%dofs%node(scene%constraints%dof_of_equation)) == body)
-      basis = scene%bodies%motion(own, :)
-      left = [(raw_displacement(scene%constraints, scene%dofs, u, &
-         & scene%constraints%dof_of_equation(own(i))), i=1, size(own))]
-      ! Gram and Schmidt; motions of other bodies vanish here.
-      way = 0.0_wp
-      allocate (q(scene%bodies%nq), source=0.0_wp)
-      n = size(q)
-      do k = 1, n
-         way(k, k) = 1.0_wp
-         before = norm2(basis(:, k))
-         do m = 1, k - 1
-            share = dot_product(basis(:, m), basis(:, k))
-            basis(:, k) = basis(:, k) - share*basis(:, m)
-            way(:, k) = way(:, k) - share*way(:, m)
+      self%basis = scene%bodies%motion(self%own, :)
+      n = scene%bodies%nq
+      allocate (self%way(n, n), source=0.0_wp)
+      associate (basis => self%basis, way => self%way)
+         do k = 1, n
+            way(k, k) = 1.0_wp
+            before = norm2(basis(:, k))
+            do m = 1, k - 1
+               share = dot_product(basis(:, m), basis(:, k))
+               basis(:, k) = basis(:, k) - share*basis(:, m)
+               way(:, k) = way(:, k) - share*way(:, m)
+            end do
+            if (.not. norm2(basis(:, k)) > 1.0e-6_wp*max(before, 1.0_wp)) then
+               basis(:, k) = 0.0_wp
+               way(:, k) = 0.0_wp
+               cycle
+            end if
+            way(:, k) = way(:, k)/norm2(basis(:, k))
+            basis(:, k) = basis(:, k)/norm2(basis(:, k))
          end do
-         if (.not. norm2(basis(:, k)) > 1.0e-6_wp*max(before, 1.0_wp)) then
-            basis(:, k) = 0.0_wp
-            way(:, k) = 0.0_wp
-            cycle
-         end if
-         way(:, k) = way(:, k)/norm2(basis(:, k))
-         basis(:, k) = basis(:, k)/norm2(basis(:, k))
-         q = q + dot_product(basis(:, k), left)*way(:, k)
+      end associate
+   end subroutine new_fit
+
+   !> The floating motion nearest to displacements of a body, and what is left of them.
+   subroutine fit_motion(self, scene, u, q, moved, strayed)
+      type(fit_type), intent(in) :: self          !! of the body
+      type(scene_type), intent(in) :: scene
+      real(wp), intent(in) :: u(:)                !! (ndof) [length]
+      real(wp), allocatable, intent(out) :: q(:)  !! (nq) amplitudes
+      real(wp), intent(out) :: moved, strayed     !! largest components [length]
+      real(wp) :: left(size(self%own)), whole(size(self%own)), share
+      integer :: i, k
+
+      associate (c => scene%constraints)
+         do i = 1, size(left)
+            left(i) = raw_displacement(c, scene%dofs, u, c%dof_of_equation(self%own(i)))
+         end do
+      end associate
+      allocate (q(size(self%way, 1)), source=0.0_wp)
+      whole = 0.0_wp
+      do k = 1, size(q)
+         share = dot_product(self%basis(:, k), left)
+         q = q + share*self%way(:, k)
+         whole = whole + share*self%basis(:, k)
       end do
-      moved = maxval([0.0_wp, abs(matmul(basis, matmul(left, basis)))])
-      strayed = maxval([0.0_wp, abs(left - matmul(basis, matmul(left, basis)))])
+      moved = 0.0_wp
+      strayed = 0.0_wp
+      do i = 1, size(left)
+         moved = max(moved, abs(whole(i)))
+         strayed = max(strayed, abs(left(i) - whole(i)))
+      end do
    end subroutine fit_motion
 end module lopin_check_drift

@@ -57,7 +57,7 @@ contains
          associate (f => frame%contact(pair))
             f%lost = 0.0_wp
             within = 0.0_wp
-            if (is_left_open(f, scene, model)) return
+            if (is_left_open(f, scene)) return
             call field_areas(scene%skin(pair), x, f%node, f%normal, f%pressure, &
                & merge(f%weight, 0.0_wp, f%facet > 0), area)
             f%lost = lost_force(f%pressure, area(:, 1), f%force, f%normal, x(:, f%node))
@@ -67,16 +67,15 @@ contains
    end subroutine check_traction
 
    !> The forces of a pair are what equilibrium leaves open, or what rounding makes of stiffnesses.
-   logical function is_left_open(field, scene, model) result(open)
+   logical function is_left_open(field, scene) result(open)
       type(contact_field_type), intent(in) :: field
       type(scene_type), intent(in) :: scene
-      type(model_type), intent(in) :: model
       real(wp) :: floor(scene%constraints%neq)
 
       if (scene%newton%in_use) then
          open = sum(norm2(field%force, 1)) <= left_open*scene%newton%reference
       else
-         call floor_of_forces(scene, model, floor)
+         call floor_of_forces(scene, floor)
          open = largest(norm2(field%force, 1)) <= largest(floor)
       end if
    end function is_left_open

@@ -6,7 +6,7 @@ module lopin_mean_gradient
    use lopin_scene, only : scene_type
    implicit none
    private
-   public :: own_motion, gradient_of, find_reach, largest_gradient
+   public :: own_motion, gradient_of, find_reach, largest_gradients
 
 contains
 
@@ -68,29 +68,31 @@ contains
       end do
    end subroutine find_reach
 
-   !> A bound of all components of the gradient of an element, from its nodes' displacements.
-   pure real(wp) function largest_gradient(scene, model, e, reach) result(bound)
+   !> A bound of all components of the gradient of each element, from its nodes' displacements.
+   subroutine largest_gradients(scene, model, reach, bound)
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
-      integer, intent(in) :: e
-      real(wp), intent(in) :: reach            !! [1/length]
-      real(wp) :: first(3), u(3), most
-      integer :: k
+      real(wp), intent(in) :: reach(:)         !! (nelement) [1/length]
+      real(wp), intent(out) :: bound(:)        !! (nelement)
+      real(wp) :: u(3), most
+      integer :: e, k
 
-      bound = 0.0_wp
-      most = 0.0_wp
-      first = 0.0_wp
-      do k = 1, size(model%mesh%conn, 1)
-         associate (node => model%mesh%conn(k, e))
-            if (node == 0) exit
-            u = own_motion(scene, model, node)
-            if (k == 1) first = u
-            bound = bound + dot_product(u - first, u - first)
-            if (model%kind == kind_of%axisymmetric) most = max(most, abs(u(1)))
-         end associate
-      end do
-      bound = reach*max(sqrt(bound), most)
-   end function largest_gradient
+      call scene%spread%squares(scene%trial%motion%u, bound)
+      bound = sqrt(bound)
+      if (model%kind == kind_of%axisymmetric) then
+         do e = 1, model%mesh%nelement
+            if (model%mesh%section(e) == 0) cycle
+            most = 0.0_wp
+            do k = 1, size(model%mesh%conn, 1)
+               if (model%mesh%conn(k, e) == 0) exit
+               u = own_motion(scene, model, model%mesh%conn(k, e))
+               most = max(most, abs(u(1)))
+            end do
+            bound(e) = max(bound(e), most)
+         end do
+      end if
+      bound = reach*bound
+   end subroutine largest_gradients
 
    !> The nodes' places of an element.
    pure subroutine places(model, e, x, n)

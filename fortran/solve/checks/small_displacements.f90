@@ -12,7 +12,7 @@ module lopin_small_displacements
    use lopin_tool, only : foot_type, project_moved
    use lopin_rigid_motion, only : rigid_motion_type, new_rigid_motion
    use lopin_repeated_messages, only : warn_once
-   use lopin_mean_gradient, only : own_motion, gradient_of, find_reach, largest_gradient
+   use lopin_mean_gradient, only : own_motion, gradient_of, find_reach, largest_gradients
    implicit none
    private
    public :: excursion_type, measure_small_displacements, check_small_displacements, &
@@ -222,14 +222,14 @@ contains
       type(excursion_type), intent(inout) :: self
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
-      real(wp) :: rotation, strain
+      real(wp) :: rotation, strain, bound(model%mesh%nelement)
       integer :: e
 
       if (.not. allocated(self%reach)) call find_reach(model, self%reach)
+      call largest_gradients(scene, model, self%reach, bound)
       do e = 1, model%mesh%nelement
          if (model%mesh%section(e) == 0) cycle
-         if (largest_gradient(scene, model, e, self%reach(e)) < min(self%rotation, &
-            & self%strain)) cycle
+         if (bound(e) < min(self%rotation, self%strain)) cycle
          call mean_gradient(scene, model, e, rotation, strain)
          if (rotation > self%rotation) then
             self%rotation = rotation

@@ -28,11 +28,11 @@ module lopin_path_condensed
       & most_stress_passes, stress_tolerance
    use lopin_repeated_messages, only : warn_once
    use lopin_tie_forces, only : drop_tie_forces, add_tie_forces
+   use lopin_kept_displacements, only : tools_suffice, displace_tools, add_floating
    use lopin_contact_failure, only : check_held, explain_outcome
    implicit none
    private
-   public :: prepare_condensed, solve_condensed, widen_condensed
-
+   public :: prepare_condensed, solve_condensed, complete_condensed, widen_condensed
 
 contains
 
@@ -141,12 +141,29 @@ contains
       else
          call contact_by_continuation(scene, model, gap, load, moving, error)
          call scene%clock%stop_in(phase%contact)
-         if (.not. allocated(error)) call displace(scene, y, prescribed)
+         if (.not. allocated(error)) call displace(scene, model, y, prescribed)
       end if
       if (allocated(error)) return
+      if (allocated(scene%system%forward)) return
       call add_tie_forces(scene, f)
       call scene%clock%stop_in(phase%contact)
    end subroutine solve_condensed
+
+   !> All displacements of an answer whose tools rest, where those behind the tools were all so far.
+   subroutine complete_condensed(scene, model, f, prescribed)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: f(:)             !! (ndof) loads [force]
+      real(wp), intent(in) :: prescribed(:)    !! (nprescribed)
+      real(wp), allocatable :: y(:)
+
+      scene%tools_first = .false.
+      if (.not. allocated(scene%system%forward)) return
+      call move_alloc(scene%system%forward, y)
+      call displace(scene, model, y, prescribed)
+      call add_tie_forces(scene, f)
+      call scene%clock%stop_in(phase%contact)
+   end subroutine complete_condensed
 
    !> Forward pass of loads while some displacements are prescribed.
    subroutine pass_load(scene, f, u_known, y, load, moving)
@@ -211,7 +228,7 @@ contains
          if (.not. allocated(error)) call explain_outcome(scene, model, error)
          call scene%clock%stop_in(phase%contact)
          if (allocated(error)) return
-         call displace(scene, y, prescribed)
+         call displace(scene, model, y, prescribed)
          call renew_speed(scene, model, slower)
          change = 0.0_wp
          if (reads_stress) call update_friction_stress(scene, model, scene%trial%motion%u, change)
@@ -244,14 +261,21 @@ contains
    end subroutine contact_by_slopes
 
    !> Displacements from the condensed load and the contact forces.
-   subroutine displace(scene, y, prescribed)
+   subroutine displace(scene, model, y, prescribed)
       type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
       real(wp), intent(in) :: y(:), prescribed(:)
       real(wp) :: v(scene%constraints%neq)
 
+      if (allocated(scene%system%forward)) deallocate (scene%system%forward)
+      if (tools_suffice(scene, model)) then
+         call displace_tools(scene, y, prescribed)
+         call scene%clock%stop_in(phase%solve)
+         return
+      end if
       call recover(scene%system, y, columns_times(scene%problem, scene%answer%force), v)
       scene%counter%back_solves = scene%counter%back_solves + 1
-      if (scene%bodies%nq > 0) v = v + matmul(scene%bodies%motion, scene%answer%q)
+      call add_floating(scene, v)
       call expand(scene%constraints, v, prescribed, scene%trial%motion%u)
       call scene%clock%stop_in(phase%solve)
    end subroutine displace

@@ -6,7 +6,7 @@ module lopin_check_mesh
    use lopin_text, only : to_text
    use lopin_mesh, only : place_of_element
    use lopin_model, only : model_type
-   use lopin_corner_shape, only : corners_type, new_corners, worst_corner, turns_over
+   use lopin_corner_shape, only : corners_type, new_corners, worst_corner, turns_over, shortest_side
    use lopin_report, only : certificate_type
    use lopin_scene, only : scene_type
    use lopin_repeated_messages, only : warn_once
@@ -45,16 +45,23 @@ contains
       real(wp), intent(in) :: least
       logical, intent(in) :: worsened
       type(corners_type) :: corners(size(scene%solids%group))
-      real(wp) :: value, before, x(model%mesh%ndim, 20)
+      real(wp) :: value, before, x(model%mesh%ndim, 20), square(model%mesh%nelement)
+      logical :: spared(model%mesh%nelement)   ! what turns over no corner folds none
       integer :: e, g, n, corner, first
 
       do g = 1, size(corners)
          call new_corners(corners(g), scene%solids%group(g)%element%cell)
       end do
       fold%value = least
+      spared = .false.
+      if (.not. least > 0.0_wp .and. allocated(scene%spare)) then
+         call scene%spread%squares(u, square)
+         spared = square < scene%spare**2
+      end if
       do e = 1, model%mesh%nelement
          g = scene%solids%which(e)
          if (g == 0) cycle
+         if (spared(e)) cycle
          call place_corners(scene, model, u, 1.0_wp, e, x, n)
          if (.not. least > 0.0_wp) then
             if (.not. turns_over(corners(g), x(:, :n))) cycle
@@ -68,6 +75,36 @@ contains
          fold = fold_type(e, model%mesh%conn(corner, e), value)
       end do
    end subroutine find_fold
+
+   !> How far nodes may move from the first one of their element before a corner turns over.
+   !>
+   !> At a corner the determinant of its edges over their lengths is J. Where no node moves farther
+   !> than d from the first, an edge changes by at most c d (c = 2; 8 of one with a node amid it),
+   !> by r = c d/L beside the shortest length L, and the determinant by at most (1 + r)^3 - 1, which
+   !> is not above 7 r where r <= 1: its sign stays where 7 c d < J L.
+   subroutine find_spare(scene, model)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      type(corners_type) :: corners(size(scene%solids%group))
+      real(wp), allocatable :: none(:)
+      real(wp) :: value, x(model%mesh%ndim, 20)
+      integer :: e, g, n, corner
+
+      do g = 1, size(corners)
+         call new_corners(corners(g), scene%solids%group(g)%element%cell)
+      end do
+      allocate (none(scene%dofs%n), source=0.0_wp)
+      if (allocated(scene%spare)) deallocate (scene%spare)
+      allocate (scene%spare(model%mesh%nelement), source=0.0_wp)
+      do e = 1, model%mesh%nelement
+         g = scene%solids%which(e)
+         if (g == 0) cycle
+         call place_corners(scene, model, none, 1.0_wp, e, x, n)
+         call worst_corner(corners(g), x(:, :n), value, corner)
+         scene%spare(e) = max(value, 0.0_wp)*shortest_side(corners(g), x(:, :n)) &
+            & /(7.0_wp*merge(8.0_wp, 2.0_wp, corners(g)%middle(1, 1) > 0))
+      end do
+   end subroutine find_spare
 
    !> The worst corner of an element at a share of displacements u.
    pure subroutine worst_at(corners, scene, model, u, share, e, value, corner)
@@ -146,6 +183,7 @@ contains
 
       call find_fold(fold, scene, model, 0.0_wp*scene%trial%motion%u, 1.0_wp, .false.)
       scene%margin = max(fold%value, 0.0_wp)*shortest_edge(model)
+      call find_spare(scene, model)
       if (fold%element == 0 .or. .not. fold%value < -flat) return
       associate (e => fold%element)
          call raise(error, error_code%deck, 'E0302', 'element '// &

@@ -27,14 +27,13 @@ module lopin_newton_convergence
 contains
 
    !> What rounding leaves of the forces of this increment.
-   subroutine set_rounding_floors(scene, model)
+   subroutine set_rounding_floors(scene)
       type(scene_type), intent(inout) :: scene
-      type(model_type), intent(in) :: model
       real(wp) :: floor(scene%constraints%neq)
 
-      call floor_of_forces(scene, model, floor)
+      call floor_of_forces(scene, floor)
       scene%newton%floor = floor
-      scene%newton%noise = noise_of_places(scene, model)
+      scene%newton%noise = noise_of_places(scene)
       scene%newton%row_floor = floor_of_rows(scene, scene%newton%noise)
    end subroutine set_rounding_floors
 

@@ -281,7 +281,7 @@ contains
       call release_nonlinear_ties(scene%newton%contact, model, scene%constraints)
       call find_supported_points(scene%newton%contact, model, scene%constraints, &
          & scene%accepted%motion%u, prescribed)
-      call set_rounding_floors(scene, model)   ! by the areas that the increment starts with
+      call set_rounding_floors(scene)   ! by the areas that the increment starts with
       if (scene%newton%rests) call admit_tractions(scene, model, error)
    end subroutine start_attempt
 

@@ -7,7 +7,8 @@ module lopin_solve_path
    use lopin_report, only : summary_type
    use lopin_plan, only : plan_type, plan_line, nonlinear_line, path_of
    use lopin_scene, only : scene_type, follow_tools
-   use lopin_path_condensed, only : prepare_condensed, solve_condensed, widen_condensed
+   use lopin_path_condensed, only : prepare_condensed, solve_condensed, complete_condensed, &
+      & widen_condensed
    use lopin_path_refactorised, only : prepare_refactorised, solve_refactorised
    use lopin_nonlinear_start, only : begin_nonlinear
    implicit none
@@ -123,6 +124,7 @@ contains
       last = huge(1.0_wp)
       do pass = 1, most_places
          scene%again = pass > 1
+         scene%tools_first = plan%path == path_of%condensed
          if (plan%path == path_of%refactorised) then
             call solve_refactorised(scene, model, f, prescribed, error)
          else
@@ -132,9 +134,11 @@ contains
          iterations = scene%answer%iterations
          if (allocated(error)) return
          call follow_tools(scene, model, prescribed, way)
-         if (way <= settled) return
          ! What no longer shrinks, small as it is, is rounding: stiff penalties leave some.
-         if (pass > 2 .and. way > 0.5_wp*last .and. way < rounded) return
+         if (way <= settled .or. (pass > 2 .and. way > 0.5_wp*last .and. way < rounded)) then
+            call complete_condensed(scene, model, f, prescribed)
+            return
+         end if
          last = way
       end do
       call raise(error, error_code%not_converged, 'E0505', &

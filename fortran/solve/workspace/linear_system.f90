@@ -8,6 +8,7 @@ module lopin_linear_system
    use lopin_error, only : error_type, error_code, raise
    use lopin_clock, only : clock_type, counter_type, phase
    use lopin_csc, only : csc_type
+   use lopin_blas, only : dtrsv
    use lopin_dense, only : cholesky, lower_solve
    use lopin_linear_solver, only : linear_solver_type, matrix_class
    use lopin_solver_factory, only : new_solver, choose_solver
@@ -17,7 +18,7 @@ module lopin_linear_system
    implicit none
    private
    public :: linear_system_type, new_linear_system, factorise_system, condense_load, &
-      & recover, widen_system, joins_cheaply
+      & recover, recover_kept, widen_system, joins_cheaply
 
    type :: linear_system_type
       class(linear_solver_type), allocatable :: solver
@@ -33,6 +34,7 @@ module lopin_linear_system
                                            !! last held [length/force]
       real(wp), allocatable :: pass(:, :)      !! (nlast - nlate, nlate) ends of their passes
       character(len=:), allocatable :: reason  !! why this solver
+      real(wp), allocatable :: forward(:)      !! (n) pass that is still to go backward; else none
    end type linear_system_type
 
 contains
@@ -242,6 +244,28 @@ contains
       call self%solver%backward(z, x)
       part = matmul(x(self%number(self%late)), self%l(:n, :n))
    end subroutine late_part
+
+   !> The end of a backward pass with contact forces added: the equations kept last alone, where
+   !> none has joined late.
+   subroutine recover_kept(self, y, pushed, v)
+      type(linear_system_type), intent(in) :: self
+      real(wp), intent(in) :: y(:)             !! (n)
+      real(wp), intent(in) :: pushed(:)        !! (nlast) contact forces [force]
+      real(wp), intent(out) :: v(:)            !! (neq), zero elsewhere
+      real(wp) :: tail(self%nlast)
+      integer :: i
+
+      tail = pushed
+      if (self%nlast > 0) then
+         call dtrsv('L', 'N', 'N', self%nlast, self%l, self%nlast, tail, 1)
+         tail = tail + y(self%n - self%nlast + 1:)
+         call dtrsv('L', 'T', 'N', self%nlast, self%l, self%nlast, tail, 1)
+      end if
+      v = 0.0_wp
+      do i = 1, size(self%place)
+         if (self%place(i) > 0) v(i) = tail(self%place(i))
+      end do
+   end subroutine recover_kept
 
    !> Backward pass with contact forces added on the equations kept last.
    subroutine recover(self, y, pushed, v)

@@ -7,7 +7,6 @@
 module lopin_rounding_floor
    use lopin_kinds, only : wp
    use lopin_vectors, only : largest
-   use lopin_model, only : model_type
    use lopin_constraints, only : reduce
    use lopin_scene, only : scene_type
    implicit none
@@ -20,32 +19,37 @@ module lopin_rounding_floor
 contains
 
    !> How far places are known [length].
-   pure real(wp) function noise_of_places(scene, model) result(noise)
+   pure real(wp) function noise_of_places(scene) result(noise)
       type(scene_type), intent(in) :: scene
-      type(model_type), intent(in) :: model
 
-      noise = roundings*epsilon(1.0_wp)*(max(maxval(model%mesh%x), -minval(model%mesh%x)) &
-         & + largest(pack(scene%trial%motion%u, scene%dofs%dof <= 3)))
+      if (scene%dofs%rotate) then
+         noise = largest(pack(scene%trial%motion%u, scene%dofs%dof <= 3))
+      else
+         noise = largest(scene%trial%motion%u)
+      end if
+      noise = roundings*epsilon(1.0_wp)*(scene%farthest + noise)
    end function noise_of_places
 
    !> What that makes of the force of every free equation, by the stiffness there [force].
-   subroutine floor_of_forces(scene, model, floor)
+   subroutine floor_of_forces(scene, floor)
       type(scene_type), intent(in) :: scene
-      type(model_type), intent(in) :: model
       real(wp), intent(out) :: floor(:)        !! (neq)
-      real(wp) :: stiffness(scene%dofs%n)
+      real(wp) :: stiffness(scene%dofs%n), contact
 
-      call scene%k%diagonal(stiffness)
+      contact = 0.0_wp
       if (scene%newton%in_use) then
          associate (c => scene%newton%contact)
-            if (c%n > 0) stiffness = stiffness + maxval(c%c(:c%n)*c%weight(:c%n))
+            if (c%n > 0) contact = maxval(c%c(:c%n)*c%weight(:c%n))
          end associate
       else if (allocated(scene%problem%alpha)) then
-         stiffness = stiffness + largest(scene%problem%alpha)
+         contact = largest(scene%problem%alpha)
       end if
-      where (scene%dofs%dof > 3) stiffness = stiffness*scene%bodies%length
+      stiffness = scene%stiffness + contact
+      if (scene%dofs%rotate) then
+         where (scene%dofs%dof > 3) stiffness = stiffness*scene%bodies%length
+      end if
       call reduce(scene%constraints, stiffness, floor)
-      floor = abs(floor)*noise_of_places(scene, model)
+      floor = abs(floor)*noise_of_places(scene)
    end subroutine floor_of_forces
 
    !> The same of the rows of multipliers, as forces.
@@ -62,8 +66,13 @@ contains
    !> Largest size of an entry beyond its floor; NaN if an entry is.
    pure real(wp) function beyond(x, floor)
       real(wp), intent(in) :: x(:), floor(:)
+      integer :: i
 
-      beyond = largest(sign(1.0_wp, x)*max(abs(x) - floor, 0.0_wp))
-      if (largest(x) /= largest(x)) beyond = largest(x)
+      beyond = largest(x)
+      if (beyond /= beyond) return
+      beyond = 0.0_wp
+      do i = 1, size(x)
+         if (abs(x(i)) > floor(i)) beyond = max(beyond, abs(x(i)) - floor(i))
+      end do
    end function beyond
 end module lopin_rounding_floor

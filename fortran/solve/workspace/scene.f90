@@ -7,7 +7,7 @@ module lopin_scene
    use lopin_csc, only : csc_type
    use lopin_model, only : model_type
    use lopin_dofs, only : dofs_type, new_dofs
-   use lopin_constraints, only : constraints_type, new_constraints, raw_displacement, expand
+   use lopin_constraints, only : constraints_type, new_constraints, raw_displacement
    use lopin_bodies, only : bodies_type, new_bodies
    use lopin_solids, only : solids_type, new_solids
    use lopin_assemble_linear, only : assemble_stiffness
@@ -35,6 +35,7 @@ module lopin_scene
    use lopin_tool_plane, only : plane_type
    use lopin_section_properties, only : sections_of
    use lopin_watcher, only : watcher_type
+   use lopin_node_spread, only : node_spread_type
    implicit none
    private
    public :: scene_type, new_scene, meet_surfaces, begin_scene, set_supports, retained_equations
@@ -48,6 +49,8 @@ module lopin_scene
       type(dofs_type) :: dofs
       type(solids_type) :: solids
       type(csc_type) :: k                          !! stiffness of all physical dofs
+      real(wp), allocatable :: stiffness(:)        !! (ndof) its diagonal
+      real(wp) :: farthest = 0.0_wp                !! of the model: largest coordinate [length]
       type(contact_points_type) :: points
       type(initial_gap_type) :: initial
       ! of a step
@@ -59,6 +62,7 @@ module lopin_scene
       type(linear_system_type) :: system
       type(full_system_type) :: full               !! in the place of `system` on the path newton
       logical :: fresh_factor = .true.
+      logical :: tools_first = .false.   !! until tools rest, only what moves them is solved for
       type(straight_loads_type) :: straight        !! passes that serve all increments of the step
       integer, allocatable :: kept_last(:)         !! equations, of a factor that is made again
       type(newton_workspace_type) :: newton        !! of the nonlinear path; else unused
@@ -76,6 +80,8 @@ module lopin_scene
       real(wp), allocatable :: guess(:)   !! (ndof) those that place the tools that forces move
       logical :: again = .false.          !! the answer is that of this increment, tools placed anew
       real(wp) :: margin = 0.0_wp   !! displacements below a quarter of it fold no corner [length]
+      type(node_spread_type) :: spread    !! how far the nodes of elements move apart
+      real(wp), allocatable :: spare(:)   !! (nelement) how far they may [length]
       logical :: may_cut = .false.    !! the increment that is tried may be cut if it fails
       real(wp) :: turned = 0.0_wp     !! tool against sliding points in the increment [rad]
       logical :: may_part = .false.   !! an increment in which contact begins may be cut
@@ -103,6 +109,10 @@ contains
       call attach_springs(self%solids, model%mesh, model%spring, self%k)
       call assemble_stiffness(self%solids, model%mesh, self%k, error)
       if (allocated(error)) return
+      allocate (self%stiffness(self%dofs%n))
+      call self%k%diagonal(self%stiffness)
+      call self%spread%new(model, self%dofs)
+      self%farthest = max(maxval(model%mesh%x), -minval(model%mesh%x))
       call self%clock%stop_in(phase%assemble)
    end subroutine new_scene
 
@@ -284,23 +294,35 @@ contains
       type(model_type), intent(in) :: model
       real(wp), intent(in) :: prescribed(:)
       real(wp), intent(out) :: place(:, :)
-      real(wp), allocatable :: v(:), u(:)
-      integer :: body, i, k, id
+      integer :: body, k, id
 
       place = 0.0_wp
-      if (size(model%rigid_body) == 0) return
-      v = [(raw_displacement(self%constraints, self%dofs, self%guess, &
-         & self%constraints%dof_of_equation(i)), &
-         & i=1, self%constraints%neq)]
-      allocate (u(self%dofs%n))
-      call expand(self%constraints, v, prescribed, u)
       do body = 1, size(model%rigid_body)
          do k = 1, 6
             id = self%dofs%id(k, model%rigid_body(body)%reference)
-            if (id > 0) place(k, body) = u(id)
+            if (id > 0) place(k, body) = expand_one(self, id, prescribed)
          end do
       end do
    end subroutine tool_places
+
+   !> One dof by the guess of the free equations and the prescribed values.
+   pure real(wp) function expand_one(self, id, prescribed) result(u)
+      type(scene_type), intent(in) :: self
+      integer, intent(in) :: id
+      real(wp), intent(in) :: prescribed(:)
+      integer :: k
+
+      u = 0.0_wp
+      associate (c => self%constraints)
+         do k = c%first(id), c%first(id + 1) - 1
+            u = u + c%coefficient(k)*raw_displacement(c, self%dofs, self%guess, &
+               & c%dof_of_equation(c%equation(k)))
+         end do
+         do k = c%pfirst(id), c%pfirst(id + 1) - 1
+            u = u + c%pcoefficient(k)*prescribed(c%prescribed(k))
+         end do
+      end associate
+   end function expand_one
 
    !> Guess that the tools stand where the last solve moved them; `way` is how far a
    !> curved one then stands from where it was projected, as a share of the scene.
