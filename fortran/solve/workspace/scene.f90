@@ -2,6 +2,7 @@
 !> the model and the state.
 module lopin_scene
    use lopin_kinds, only : wp
+   use lopin_state, only : state_type, begin
    use lopin_error, only : error_type, log_type
    use lopin_clock, only : clock_type, counter_type, phase
    use lopin_csc, only : csc_type
@@ -26,7 +27,6 @@ module lopin_scene
    use lopin_condensed, only : condensed_type
    use lopin_active_set, only : contact_result_type
    use lopin_friction_state, only : friction_tests_type, new_friction_history, new_friction_tests
-   use lopin_state, only : state_type, begin
    use lopin_skins, only : new_skins
    use lopin_straight_loads, only : straight_loads_type
    use lopin_linear_system, only : linear_system_type
