@@ -23,7 +23,7 @@ module lopin_face_rows
    use lopin_curved_slave, only : curves_slave, join_facets
    implicit none
    private
-   public :: list_faces, find_inner, points_of_face, face_feet_type, find_feet
+   public :: list_faces, find_inner, points_of_face, face_feet_type, find_feet, one_piece
 
    !> Points of a facet in each direction: of lines and second-order surfaces, of other surfaces.
    integer, parameter :: parts_of_line = 8, parts_of_face = 4

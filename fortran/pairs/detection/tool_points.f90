@@ -4,14 +4,18 @@
 module lopin_tool_points
    use lopin_kinds, only : wp
    use lopin_slave_points, only : slave_type
-   use lopin_tool, only : foot_type, project_all_moved
+   use lopin_tool, only : tool_type, foot_type, one_plane, project_all_moved, move_foot
+   use lopin_wall_before, only : find_wall_before
    use lopin_rigid_motion, only : rigid_motion_type, new_rigid_motion
    use lopin_model, only : model_type, kind_of
    use lopin_contact_points, only : contact_points_type, add_point, facing
-   use lopin_face_rows, only : list_faces, find_inner
+   use lopin_face_rows, only : list_faces, find_inner, one_piece
    implicit none
    private
    public :: pair_with_tool, move_tool
+
+   !> Planes of a tool closer than this share of its size are one.
+   real(wp), parameter :: in_plane = 1.0e-6_wp
 
 contains
 
@@ -151,6 +155,57 @@ contains
       self%gap(i) = dot_product(self%normal(:n, i), x - self%foot(:n, i))
    end subroutine keep_start
 
+   !> A point deep inside a rib may be nearest to its side, or to the corner behind it. Where the
+   !> wall between the point and its own body is the one that it faced at the start, it went in
+   !> there, and that wall alone counts.
+   subroutine take_entered(self, i, tool, motion, x, feet, nfeet)
+      type(contact_points_type), intent(in) :: self
+      integer, intent(in) :: i
+      class(tool_type), intent(in) :: tool
+      type(rigid_motion_type), intent(in) :: motion
+      real(wp), intent(in) :: x(:)             !! (ndim) the point [length]
+      type(foot_type), intent(inout) :: feet(2)
+      integer, intent(inout) :: nfeet
+      type(foot_type) :: wall
+      real(wp) :: side(size(x)), start(size(x))
+      integer :: k
+
+      if (nfeet == 0 .or. self%start_facet(i) == 0) return
+      if (feet(1)%gap >= 0.0_wp) return
+      start = motion%turn(self%start_normal(:size(x), i))
+      side = self%side(:size(x), i)
+      if (.not. any(abs(side) > 0.0_wp)) side = -start
+      ! What lies square to the slave is what it went in by.
+      if (nfeet == 1 .and. -dot_product(side, feet(1)%normal(:size(x))) >= one_piece) return
+      call find_wall_before(tool, motion%to_tool(x), &
+         & matmul(transpose(motion%rotation(:size(x), :size(x))), side), wall)
+      if (.not. wall%found) return
+      call move_foot(motion, tool%ndim, wall)
+      if (dot_product(wall%normal(:size(x)), start) < one_piece) return
+      if (.not. is_wall(self%start_facet(i), start, &
+         & motion%to_global(self%start_foot(:size(x), i)))) return
+      do k = 1, nfeet
+         if (is_wall(feet(k)%segment, feet(k)%normal(:size(x)), feet(k)%point(:size(x)))) return
+      end do
+      feet(1) = wall
+      nfeet = 1
+
+   contains
+
+      !> Another foot is on the wall, or on what goes over into it without an edge: planes that are
+      !> parallel are one if they lie in each other. A corner is no part of the walls beside it.
+      pure logical function is_wall(segment, normal, point)
+         integer, intent(in) :: segment
+         real(wp), intent(in) :: normal(:), point(:)
+         is_wall = wall%segment == segment .and. .not. wall%corner
+         if (is_wall) return
+         if (tool%is_creased(wall%segment, segment)) return
+         is_wall = .not. wall%corner
+         if (dot_product(wall%normal(:size(x)), normal) >= one_plane) is_wall = abs(dot_product( &
+            & normal, wall%point(:size(x)) - point)) <= in_plane*tool%size
+      end function is_wall
+   end subroutine take_entered
+
    !> Project the points of a pair on its tool in another place.
    subroutine move_tool(self, model, pair, displacement, rotation)
       type(contact_points_type), intent(inout) :: self
@@ -169,6 +224,7 @@ contains
          associate (tool => model%tool(self%tool(pair))%shape)
             call project_all_moved(tool, motion, model%mesh%x(:, self%node(i)), self%size(i), &
                & feet, nfeet)
+            call take_entered(self, i, tool, motion, model%mesh%x(:, self%node(i)), feet, nfeet)
          end associate
          do k = 1, 2
             self%facet(i) = 0

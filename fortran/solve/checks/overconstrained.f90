@@ -59,6 +59,7 @@ contains
          call warn_between_faces(scene, model, first, other, number)
          return
       end if
+      if (rubs_along_supports(scene, model%mesh%ndim)) return
       call warn_once(scene%log, 'W0403', to_text(scene%answer%dependent)// &
          & ' contact rows depend on supports or on other rows: their forces are '// &
          & 'shared in the way of least norm', model%step(scene%step)%at, &
@@ -208,6 +209,53 @@ contains
          end associate
       end do
    end function supported_ties
+
+   !> Supports hold a closed point with friction in a direction along its face, as all of a slice in
+   !> plane strain: there friction has nothing to bear, and the pressure is unique.
+   pure logical function rubs_along_supports(scene, ndim) result(held)
+      type(scene_type), intent(in) :: scene
+      integer, intent(in) :: ndim
+      integer :: row, k
+      real(wp) :: a(2, 2)
+      real(wp), allocatable :: moves(:, :)
+
+      held = .false.
+      if (.not. allocated(scene%rows%tangent)) return
+      allocate (moves(scene%constraints%neq, ndim - 1))
+      do row = 1, scene%rows%nnormal
+         if (scene%rows%tangent(row) == 0 .or. .not. scene%answer%active(row)) cycle
+         a = 0.0_wp
+         do k = 1, ndim - 1
+            associate (r => scene%rows, t => scene%rows%tangent(row) + k - 1)
+               moves(:, k) = equations_of(scene, r%dof(r%first(t):r%first(t + 1) - 1), &
+                  & r%coefficient(r%first(t):r%first(t + 1) - 1))
+            end associate
+         end do
+         a(:ndim - 1, :ndim - 1) = matmul(transpose(moves), moves)
+         ! The least eigenvalue beside the largest.
+         if (ndim == 2) held = .not. a(1, 1) > aside**2
+         if (ndim == 3) held = .not. a(1, 1)*a(2, 2) - a(1, 2)**2 > aside**2*(a(1, 1) + a(2, 2))**2
+         if (held) return
+      end do
+   end function rubs_along_supports
+
+   !> A sum of displacements on the free equations.
+   pure function equations_of(scene, dof, coefficient) result(value)
+      type(scene_type), intent(in) :: scene
+      integer, intent(in) :: dof(:)
+      real(wp), intent(in) :: coefficient(:)
+      real(wp) :: value(scene%constraints%neq)
+      integer :: k, c
+
+      value = 0.0_wp
+      do k = 1, size(dof)
+         do c = scene%constraints%first(dof(k)), scene%constraints%first(dof(k) + 1) - 1
+            associate (e => scene%constraints%equation(c))
+               if (e > 0) value(e) = value(e) + coefficient(k)*scene%constraints%coefficient(c)
+            end associate
+         end do
+      end do
+   end function equations_of
 
    !> No free equation moves the row.
    pure logical function is_held(scene, row) result(held)
