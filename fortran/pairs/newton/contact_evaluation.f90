@@ -327,7 +327,7 @@ contains
       type(point_law_type), intent(in) :: law
       integer :: k
 
-      if (self%idle(i)) then
+      if (self%idle(i) .or. self%waits(i)) then
          self%nlocal = self%nlocal - 1
          call stay_clear(self, i, d, law, (self%trial(i)%normal), (self%trial(i)%gap))
          return

@@ -106,6 +106,7 @@ module lopin_nonlinear_contact
       logical, allocatable :: loose(:)         !! of a tied pair, but too far to be tied
       logical, allocatable :: idle(:)          !! (n) nothing that is solved for moves its node or
                                                !! the master: no row finds a force for it
+      logical, allocatable :: waits(:)         !! (n) open until Newton is near a balance without it
       logical :: speed_of_trial = .true.       !! a coefficient that falls with the speed reads that
                                                !! of the trial; else `speed`
       ! of self-contact, where the increment begins
@@ -146,8 +147,8 @@ contains
          & source=0.0_wp)
       allocate (self%facet(n), self%status(n), self%first_row(n), self%piece(n), source=0)
       allocate (self%pressing(model%mesh%nnode), source=0)
-      allocate (self%bilateral(n), self%loose(n), self%idle(n), self%yields(n), &
-         & self%follows(size(model%pair)), source=.false.)
+      allocate (self%bilateral(n), self%loose(n), self%idle(n), self%waits(n), &
+         & self%yields(n), self%follows(size(model%pair)), source=.false.)
       allocate (self%pair_active(size(model%pair)), source=.true.)
       allocate (self%enforcement(n), self%anchor(n), self%opposite(n), self%trial(n), self%local(n))
       allocate (self%friction(size(model%pair)), self%mortar(size(model%pair)), &

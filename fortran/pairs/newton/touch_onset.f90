@@ -27,6 +27,7 @@ contains
       self%noted = 0.0_wp
       self%ahead = 1.0_wp
       self%touch = 0.0_wp
+      self%waits = .false.
       do i = 1, self%n
          self%start_gap(i) = huge(1.0_wp)
          if (self%opposite(i)%facet == 0) cycle

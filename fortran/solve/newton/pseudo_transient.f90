@@ -41,6 +41,10 @@ module lopin_pseudo_transient
       & least_time = 1.0e-8_wp, most_time = 1.0e12_wp
    !> Newton is tried again when the residual at rest has fallen by so much.
    real(wp), parameter :: fallen = 0.1_wp
+   !> A motion that comes back to where it was a step before the last, but for this share of a step,
+   !> and that so often in a row, hops to and fro: a flow that loses energy never comes back.
+   real(wp), parameter :: same_place = 0.1_wp
+   integer, parameter :: most_returns = 2
 
    !> A motion on its way.
    type :: transient_type
@@ -51,6 +55,8 @@ module lopin_pseudo_transient
       type(evaluation_type) :: evaluation
       integer :: used = 0                      !! linear systems of the last step
       logical :: done = .false.                !! it was solved
+      real(wp), allocatable :: last(:), before(:)   !! `v` where the last two steps ended
+      integer :: returns = 0                   !! last steps that led back to the place before
    end type transient_type
 
 contains
@@ -121,6 +127,8 @@ contains
             cycle
          end if
          motion%at%before = prescribed
+         call note_return(motion)
+         if (motion%returns >= most_returns) exit
          motion%time = motion%time*merge(fast, slow, motion%used <= few)
          call look_at_rest(motion, scene, model, f, systems, error)
          if (allocated(error)) return
@@ -136,6 +144,19 @@ contains
       call raise(error, error_code%not_converged, 'E0510', 'slow motion has come to no rest in '// &
          & to_text(systems)//' linear systems', model%step(scene%step)%at)
    end subroutine pseudo_transient
+
+   !> Whether the step has led back to where the one before it began.
+   pure subroutine note_return(self)
+      type(transient_type), intent(inout) :: self
+      logical :: returned
+
+      returned = allocated(self%before)
+      if (returned) returned = norm2(self%at%v - self%before) < same_place*norm2(self%at%v &
+         & - self%last)
+      self%returns = merge(self%returns + 1, 0, returned)
+      if (allocated(self%last)) call move_alloc(self%last, self%before)
+      self%last = self%at%v
+   end subroutine note_return
 
    !> Newton from here, without the drag; back here if it fails.
    subroutine try_newton(self, scene, model, f, prescribed, rests, error)

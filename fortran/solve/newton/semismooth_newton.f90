@@ -19,6 +19,7 @@ module lopin_semismooth_newton
    use lopin_line_search, only : search_type, take_step, refuse_inverted
    use lopin_contraction, only : by_old_tangent, evaluate_without_tangent, note_step, gets_nowhere
    use lopin_check_mesh, only : folding_at
+   use lopin_awaited_touch, only : awaited_type, note_slides, await_touch, go_on_waiting
    use lopin_lagged_friction, only : reads_lagged, renew_lagged, share_of_new, may_relax
    use lopin_free_body, only : raise_free_body
    use lopin_first_increment, only : size_first, flows_far
@@ -47,6 +48,7 @@ module lopin_semismooth_newton
    type :: iteration_type
       type(evaluation_type) :: evaluation      !! where it stands
       type(search_type) :: search              !! to there
+      type(awaited_type) :: awaited            !! points that do not close yet
       integer :: loop = 0                      !! augmentations so far
       logical :: guessed = .false.             !! it started from a guess
       logical :: lagged = .false.              !! laws read what the last iteration found
@@ -97,7 +99,7 @@ contains
          it%number = iteration
          call look_for_end(it, scene, model, settled, error)
          if (allocated(error)) return
-         if (settled) then
+         if (settled .and. .not. it%awaited%on) then
             if (iteration > 1 .and. it%evaluation%merit > floor_of_rounding*reference_of(scene, &
                & it%evaluation) .and. .not. scene%newton%flows) &
                & call refine(scene, model, f, iterate%v, prescribed, it%evaluation, error)
@@ -109,6 +111,8 @@ contains
          call note_set(it, scene)
          if (is_vain(it, scene, model)) exit
          call correct(it, scene, model, iterate, error)
+         if (it%awaited%on) call go_on_waiting(it%awaited, scene, model, it%search, iterate%v, &
+            & it%evaluation, error)
          if (allocated(error)) return
       end do
       scene%newton%cycled = it%stale >= cycle_of
@@ -261,7 +265,10 @@ contains
             & .not. evaluate_without_tangent(finite%contraction, residual, .not. simplified, &
             & equilibrium)
          it%status = finite%contact%status
+         if (finite%contact%noted > 0.0_wp) call note_slides(it%awaited, finite%contact)
          call take_step(scene, model, search, iterate%v, evaluation, error)
+         if (finite%contact%noted > 0.0_wp .and. .not. allocated(error)) &
+            & call await_touch(it%awaited, scene, model, search, iterate%v, evaluation, error)
          finite%contact%noted = 0.0_wp
          if (allocated(error)) return
          it%last = search%size
