@@ -71,7 +71,7 @@ def shears(solve, folder, angle=0.0, way=1.0, **options):
     return np.array([shear[np.argmin(abs(np.asarray(run.times) - 1.0 - t))] for t, _ in SAW[1:]])
 
 
-FAMILY = [("CPE4", (8, 8), 0.5), ("CPE4", (12, 12), 0.5), ("CPE8", (4, 4), 0.3),
+FAMILY = [("CPE4", (8, 8), 0.5), ("CPE8", (4, 4), 0.3),
           ("CPE8R", (4, 4), 0.5), ("CPE4I", (8, 8), 0.3)]
 
 
