@@ -8,7 +8,7 @@ module lopin_rounding_floor
    use lopin_kinds, only : wp
    use lopin_vectors, only : largest
    use lopin_model, only : model_type
-   use lopin_constraints, only : reduce
+   use lopin_constraints, only : reduce_bounds
    use lopin_scene, only : scene_type
    implicit none
    private
@@ -44,8 +44,8 @@ contains
          stiffness = stiffness + largest(scene%problem%alpha)
       end if
       where (scene%dofs%dof > 3) stiffness = stiffness*scene%bodies%length
-      call reduce(scene%constraints, stiffness, floor)
-      floor = abs(floor)*noise_of_places(scene, model)
+      call reduce_bounds(scene%constraints, stiffness, floor)
+      floor = floor*noise_of_places(scene, model)
    end subroutine floor_of_forces
 
    !> The same of the rows of multipliers, as forces.
