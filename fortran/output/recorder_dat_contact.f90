@@ -6,6 +6,7 @@ module lopin_recorder_dat_contact
    use lopin_kinds, only : wp
    use lopin_vectors, only : cross
    use lopin_model, only : model_type, output_type
+   use lopin_pair_activity, only : asks_pair
    use lopin_report, only : frame_type, contact_field_type
    use lopin_text_buffer, only : text_buffer_type
    use lopin_vtu_writer, only : three_components
@@ -126,14 +127,6 @@ contains
          end associate
       end do
    end subroutine put_points
-
-   pure logical function asks_pair(model, output, p)
-      type(model_type), intent(in) :: model
-      type(output_type), intent(in) :: output
-      integer, intent(in) :: p
-      asks_pair = output%slave == 0 .or. (output%slave == model%pair(p)%slave &
-         & .and. (output%master == 0 .or. output%master == model%pair(p)%master))
-   end function asks_pair
 
    subroutine put_count(text, frame)
       type(text_buffer_type), intent(inout) :: text
