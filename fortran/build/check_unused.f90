@@ -1,11 +1,12 @@
 !> Parts of a deck that nothing refers to: most often the line that would is forgotten.
 !>
-!> Tools and interactions without a pair are warned of; materials and amplitudes are noted, since
-!> programs that write decks list more than they use.
+!> Tools, interactions and requests for contact output without a pair are warned of; materials and
+!> amplitudes are noted, since programs that write decks list more than they use.
 module lopin_check_unused
    use lopin_error, only : severity, location_type
    use lopin_text, only : upper
-   use lopin_model, only : model_type, surface_of
+   use lopin_model, only : model_type, output_type, output_of, surface_of
+   use lopin_pair_activity, only : asks_pair
    use lopin_block, only : deck_type, get_parameter
    implicit none
    private
@@ -21,6 +22,7 @@ contains
       call check_rigid_meshes(model)
       call check_interactions(model)
       call check_pairs(model)
+      call check_requests(model)
       call check_materials(model)
       call check_amplitudes(model, deck)
    end subroutine check_unused
@@ -145,6 +147,79 @@ contains
             & 'PAIR, ADD in a later step, or leave the pair out')
       end do
    end subroutine check_pairs
+
+   !> *CONTACT PRINT of surfaces that are no pair.
+   subroutine check_requests(model)
+      type(model_type), intent(inout) :: model
+      integer :: s, i, k
+
+      do s = 1, size(model%step)
+         do i = 1, size(model%step(s)%output)
+            associate (output => model%step(s)%output(i))
+               if (all(output%kind /= [output_of%contact_print, output_of%contact_file])) cycle
+               if (output%slave == 0 .and. output%master == 0) cycle
+               if (any([(asks_pair(model, output, k), k=1, size(model%pair))])) cycle
+               ! Steps go on with the requests of those before.
+               if (any([(model%log%item(k)%id == 'W0350' .and. model%log%item(k)%at%line &
+                  & == output%at%line .and. model%log%item(k)%at%file == output%at%file, &
+                  & k=1, model%log%n)])) cycle
+               call model%log%say(severity%warning, 'W0350', 'no pair has '// &
+                  & asked_roles(model, output)//': this request prints nothing', output%at, &
+                  & help=pairs_of_request(model, output))
+            end associate
+         end do
+      end do
+   end subroutine check_requests
+
+   !> "slave A and master B", as they are asked for.
+   function asked_roles(model, output) result(text)
+      type(model_type), intent(in) :: model
+      type(output_type), intent(in) :: output
+      character(len=:), allocatable :: text
+
+      text = ''
+      if (output%slave > 0) text = 'slave '//model%surface(output%slave)%name
+      if (output%slave > 0 .and. output%master > 0) text = text//' and '
+      if (output%master > 0) text = text//'master '//model%surface(output%master)%name
+   end function asked_roles
+
+   !> The pairs in which a surface of the request stands, or all.
+   function pairs_of_request(model, output) result(text)
+      type(model_type), intent(in) :: model
+      type(output_type), intent(in) :: output
+      character(len=:), allocatable :: text
+      logical :: named(size(model%pair))
+      integer :: i
+
+      named = [(is_named(model%pair(i)%slave) .or. is_named(model%pair(i)%master), &
+         & i=1, size(model%pair))]
+      if (.not. any(named)) named = .true.
+      text = ''
+      do i = 1, size(model%pair)
+         if (.not. named(i) .or. model%pair(i)%master == 0) cycle
+         if (len(text) > 0) text = text//'; '
+         text = text//'SLAVE='//model%surface(model%pair(i)%slave)%name//', MASTER='// &
+            & model%surface(model%pair(i)%master)%name
+      end do
+      if (len(text) > 0) then
+         text = 'pairs are: '//text
+      else
+         text = 'there is no pair of surfaces'
+      end if
+
+   contains
+
+      pure logical function is_named(surface)
+         integer, intent(in) :: surface
+
+         is_named = .false.
+         if (surface == 0) return
+         if (output%slave > 0) is_named = model%surface(output%slave)%name &
+            & == model%surface(surface)%name
+         if (output%master > 0) is_named = is_named .or. model%surface(output%master)%name &
+            & == model%surface(surface)%name
+      end function is_named
+   end function pairs_of_request
 
    subroutine check_materials(model)
       type(model_type), intent(inout) :: model

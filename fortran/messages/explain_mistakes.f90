@@ -27,6 +27,11 @@ contains
          & 'else: a tool in no pair is passed through, and the friction of an interaction in '// &
          & 'no pair acts nowhere.', &
          & 'name the tool as the master of a *CONTACT PAIR, or remove it.')
+      call add_explanation(list, 'W0350', 'a request for contact output of no pair', &
+         & '*CONTACT PRINT and *CONTACT FILE with SLAVE= or MASTER= are of the pairs in which '// &
+         & 'these surfaces have these roles. There is none: most often roles were exchanged on '// &
+         & '*CONTACT PAIR, and the request was left as it was.', &
+         & 'name the surfaces as the pair does, or none: the request is then of all pairs.')
       call add_explanation(list, 'N0303', 'a material or an amplitude that is not used', &
          & 'No section names the material, or no load and no motion the amplitude. Programs '// &
          & 'that write decks do so; by hand it is a forgotten word.', '')

@@ -14,7 +14,8 @@ module lopin_constraints
       & new_rules, label_of
    implicit none
    private
-   public :: constraints_type, new_constraints, expand, reduce, prescribed_part, raw_displacement
+   public :: constraints_type, new_constraints, expand, reduce, reduce_bounds
+   public :: prescribed_part, raw_displacement
    public :: axes_at
 
    type, extends(local_axes_type) :: constraints_type
@@ -210,6 +211,22 @@ contains
          end do
       end do
    end subroutine reduce
+
+   !> What errors of the forces on the physical dofs may make at the free equations: errors of
+   !> either sign add up, whatever the signs of the coefficients are.
+   pure subroutine reduce_bounds(self, bound, r)
+      type(constraints_type), intent(in) :: self
+      real(wp), intent(in) :: bound(:)        !! (ndof) sizes of errors
+      real(wp), intent(out) :: r(:)           !! (neq)
+      integer :: i, k
+
+      r = 0.0_wp
+      do i = 1, self%ndof
+         do k = self%first(i), self%first(i + 1) - 1
+            r(self%equation(k)) = r(self%equation(k)) + abs(self%coefficient(k)*bound(i))
+         end do
+      end do
+   end subroutine reduce_bounds
 
    !> Forces on the prescribed variables from forces on the physical dofs.
    pure subroutine prescribed_part(self, f, r)

@@ -1,10 +1,10 @@
 !> Which contact pairs act in a step: `*MODEL CHANGE` takes pairs away and puts them back,
 !> `*CHANGE SURFACE BEHAVIOR` lets one take the place of another.
 module lopin_pair_activity
-   use lopin_model, only : model_type
+   use lopin_model, only : model_type, output_type
    implicit none
    private
-   public :: active_pairs, pairs_change
+   public :: active_pairs, pairs_change, asks_pair
 
 contains
 
@@ -31,6 +31,28 @@ contains
       end do
       active = active .and. step >= model%pair%first_step .and. step <= model%pair%last_step
    end function active_pairs
+
+   !> A request for contact output is of a pair: of all of them if it names no surface.
+   pure logical function asks_pair(model, output, p)
+      type(model_type), intent(in) :: model
+      type(output_type), intent(in) :: output
+      integer, intent(in) :: p                 !! pair
+
+      associate (pair => model%pair(p))
+         asks_pair = is_asked(output%slave, pair%slave) .and. is_asked(output%master, pair%master)
+      end associate
+
+   contains
+
+      !> One name may stand for a surface of faces and for one of nodes.
+      pure logical function is_asked(asked, surface)
+         integer, intent(in) :: asked, surface !! 0: none
+
+         is_asked = asked == 0 .or. asked == surface
+         if (.not. is_asked .and. surface > 0) is_asked = model%surface(asked)%name &
+            & == model%surface(surface)%name
+      end function is_asked
+   end function asks_pair
 
    !> The deck changes pairs between steps.
    pure logical function pairs_change(model)

@@ -35,8 +35,12 @@ module lopin_report
       real(wp), allocatable :: gap(:)        !! signed, >= 0 open [length]
       real(wp), allocatable :: pressure(:)   !! >= 0 pressing; < 0 only if bilateral [stress]
       real(wp), allocatable :: normal(:, :)  !! (ndim, npoint) master's outward normal
-      real(wp), allocatable :: force(:, :)   !! (ndim, npoint) force of the master on the slave
+      real(wp), allocatable :: force(:, :)   !! (ndim, npoint) of the master on the slave by the row
+                                             !! of the point, on all nodes that bear it [force]
+      real(wp), allocatable :: shear(:, :)   !! (ndim, npoint) of it, along the tangents of the
                                              !! point [force]
+      real(wp), allocatable :: couple(:, :)  !! (3, npoint) moment of it about the point
+                                             !! [force*length]
       real(wp), allocatable :: xi(:, :)      !! (2, npoint) projection on the facet
       real(wp), allocatable :: u_n(:)   !! normal displacement relative to the master since the
                                         !! start [length]

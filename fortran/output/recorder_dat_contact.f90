@@ -6,6 +6,7 @@ module lopin_recorder_dat_contact
    use lopin_kinds, only : wp
    use lopin_vectors, only : cross
    use lopin_model, only : model_type, output_type
+   use lopin_pair_activity, only : asks_pair
    use lopin_report, only : frame_type, contact_field_type
    use lopin_text_buffer, only : text_buffer_type
    use lopin_vtu_writer, only : three_components
@@ -64,8 +65,7 @@ contains
       call tangents(n, d, t)
       shear = 0.0_wp
       if (field%weight(i) > 0.0_wp) then
-         shear(:d) = -(field%force(:, i) - dot_product(field%force(:, i), field%normal(:, i)) &
-            & *field%normal(:, i))/field%weight(i)
+         shear(:d) = -field%shear(:, i)/field%weight(i)
       end if
       six(1) = field%gap(i)
       six(2:3) = matmul(field%u_t(:, i), t(:d, :))
@@ -127,14 +127,6 @@ contains
          end associate
       end do
    end subroutine put_points
-
-   pure logical function asks_pair(model, output, p)
-      type(model_type), intent(in) :: model
-      type(output_type), intent(in) :: output
-      integer, intent(in) :: p
-      asks_pair = output%slave == 0 .or. (output%slave == model%pair(p)%slave &
-         & .and. (output%master == 0 .or. output%master == model%pair(p)%master))
-   end function asks_pair
 
    subroutine put_count(text, frame)
       type(text_buffer_type), intent(inout) :: text
@@ -220,7 +212,7 @@ contains
       type(contact_field_type), intent(in) :: field
       integer, intent(in) :: part
       type(resultant_type), intent(out) :: total
-      real(wp) :: x(3), f(3), n(3), across(3)
+      real(wp) :: x(3), f(3), n(3), along(3)
       integer :: i
 
       do i = 1, size(field%node)
@@ -229,11 +221,13 @@ contains
             & + frame%u(:3, field%node(i))
          f = reshape(three_components(field%force(:, i:i)), [3])
          n = reshape(three_components(field%normal(:, i:i)), [3])
-         across = f - dot_product(f, n)*n
-         if (part == normal_part) f = f - across
-         if (part == shear_part) f = across
+         along = reshape(three_components(field%shear(:, i:i)), [3])
+         if (part == normal_part) f = f - along
+         if (part == shear_part) f = along
          total%force = total%force + f
          total%moment = total%moment + cross(x, f)
+         ! Shears act on the point's own node, or weigh out to it.
+         if (part /= shear_part) total%moment = total%moment + field%couple(:, i)
          total%area = total%area + field%weight(i)
          total%centre = total%centre + field%weight(i)*x
          total%normal = total%normal - field%weight(i)*n

@@ -293,17 +293,6 @@ contains
       end associate
    end subroutine get_integer
 
-   !> The part of the contact forces along the normals.
-   pure function normal_force(field) result(force)
-      type(contact_field_type), intent(in) :: field
-      real(wp) :: force(size(field%force, 1), size(field%force, 2))
-      integer :: i
-
-      do i = 1, size(force, 2)
-         force(:, i) = dot_product(field%force(:, i), field%normal(:, i))*field%normal(:, i)
-      end do
-   end function normal_force
-
    subroutine contact_real(self, field, word, values)
       class(memory_recorder_type), intent(in) :: self
       type(contact_field_type), intent(in) :: field
@@ -324,9 +313,9 @@ contains
       case ('FORCE')
          values = field%force
       case ('R_n')
-         values = normal_force(field)
+         values = field%force - field%shear
       case ('R_t')
-         values = field%force - normal_force(field)
+         values = field%shear
       case ('SLIP_PATH')
          allocate (values(1, size(field%node)), source=0.0_wp)
          if (allocated(field%slip_path)) values = reshape(field%slip_path, [1, size(field%node)])

@@ -302,8 +302,7 @@ contains
          k = part%point_of(field%node(i))
          if (k == 0) cycle
          vector(:d, k, 1) = vector(:d, k, 1) + field%force(:, i)
-         vector(:d, k, 4) = vector(:d, k, 4) + dot_product(field%force(:, i), &
-            & field%normal(:, i))*field%normal(:, i)
+         vector(:d, k, 4) = vector(:d, k, 4) + field%force(:, i) - field%shear(:, i)
          if (allocated(field%friction_work)) scalar(6, k) = scalar(6, k) + field%friction_work(i)
          if (field%status(i) < 0) cycle
          if (status(k) >= 0) then

@@ -623,3 +623,16 @@ def test_faces_that_look_away_from_the_nearer_wall_of_a_groove_are_not_behind_it
     result = solve(model.to_deck())
     assert "W0315" in [m["code"] for m in result.diagnostics]
     assert result.contact(0).last.pressure.min() > 50.0
+
+
+@pytest.mark.parametrize("card", ["CONTACT PRINT", "CONTACT FILE"])
+@pytest.mark.parametrize("words, wrong", [
+    ("", False), (", SLAVE=TOP", False), (", MASTER=TOOL", False), (", SLAVE=TOP, MASTER=TOOL", False),
+    (", SLAVE=TOOL", True), (", MASTER=TOP", True), (", SLAVE=TOOL, MASTER=TOP", True)])
+def test_contact_output_of_surfaces_that_are_no_pair(tmp_path, card, words, wrong):
+    """It was silent, and MASTER= alone asked for every pair; a later step says nothing again."""
+    steps = PARTS["steps"].replace("*END STEP", f"*{card}{words}\nCSTR\n*END STEP") + PARTS["steps"]
+    run = lopin("check", deck(steps=steps), tmp_path)
+    assert run.returncode == 0 and len(said(run, "W0350")) == wrong, run.stderr
+    if wrong:
+        assert "pairs are: SLAVE=TOP, MASTER=TOOL" in run.stderr

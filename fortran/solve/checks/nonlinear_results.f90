@@ -17,7 +17,7 @@ module lopin_nonlinear_results
    use lopin_nonlinear_start, only : complementarity
    use lopin_rounding_floor, only : beyond
    use lopin_slave_areas, only : areas_now, pieces_now
-   use lopin_nonlinear_contact, only : nonlinear_contact_type
+   use lopin_row_resultants, only : row_resultants
    use lopin_slip_increment, only : dissipated, mean_work_of, held_energy, shear_bound, &
       & shear_excess, path_of, lost_bound
    use lopin_scene, only : scene_type
@@ -240,6 +240,7 @@ contains
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
       integer :: pair, i, ndim
+      real(wp), dimension(3, scene%newton%contact%n) :: force, couple
       real(wp) :: weight(scene%newton%contact%n)
       integer, allocatable :: at(:)
 
@@ -249,6 +250,7 @@ contains
       allocate (field(size(model%pair)))
       associate (c => scene%newton%contact)
          weight = areas_now(c, model, pieces_now(c, model))
+         call row_resultants(c, model, force, couple)
          do pair = 1, size(model%pair)
             at = pack([(i, i=1, c%n)], c%pair(:c%n) == pair)
             associate (f => field(pair))
@@ -269,9 +271,12 @@ contains
                f%xi = c%xi(:, at)
                f%slip_path = scene%trial%contact%slip_path(at)
                f%friction_work = scene%trial%contact%friction_work(at)
-               allocate (f%force(ndim, size(at)), f%u_n(size(at)), f%u_t(ndim, size(at)))
+               f%force = force(:ndim, at)
+               f%couple = couple(:, at)
+               allocate (f%shear(ndim, size(at)), f%u_n(size(at)), f%u_t(ndim, size(at)))
                do i = 1, size(at)
-                  f%force(:, i) = c%weight(at(i))*c%traction(:ndim, at(i))
+                  f%shear(:, i) = c%weight(at(i))*(c%traction(:ndim, at(i)) &
+                     & - c%pressure(at(i))*f%normal(:, i))
                   f%u_n(i) = 0.0_wp
                   f%u_t(:, i) = scene%trial%contact%slip(:ndim, at(i))
                end do

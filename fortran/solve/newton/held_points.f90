@@ -23,8 +23,9 @@ module lopin_held_points
 
    !> Penetration beyond this share of a facet is no rounding; components of a normal that count.
    real(wp), parameter :: penetrates = 1.0e-6_wp, counts = 1.0e-6_wp
-   !> A direction with all components.
-   real(wp), parameter :: everywhere(3) = 1.0_wp
+   !> All directions.
+   real(wp), parameter :: everywhere(3, 3) = reshape([real(wp) :: 1, 0, 0, 0, 1, 0, 0, 0, 1], &
+      & [3, 3])
    !> Pressures of held points this many times all others are none.
    real(wp), parameter :: stray = 1.0e3_wp
 
@@ -180,14 +181,20 @@ contains
       end do
    end subroutine tell_idle_points
 
-   subroutine refuse_held_points(scene, model, error)
+   !> What supports press into its master in a trial that is in balance. One that is not shows where
+   !> a node has gone along its master as little as it shows the normal there: while a smaller
+   !> increment can be tried, it tells of nodes alone whose places nothing but supports decide.
+   subroutine refuse_held_points(scene, model, error, balanced)
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
       type(error_type), allocatable, intent(out) :: error
+      logical, intent(in), optional :: balanced        !! absent: it is
       real(wp) :: most
-      logical :: pressed
+      logical :: pressed, sure
       integer :: i
 
+      sure = .true.
+      if (present(balanced)) sure = balanced .or. .not. scene%may_cut
       most = determined_pressure(scene, model)
       associate (c => scene%newton%contact)
          do i = 1, c%n
@@ -197,9 +204,10 @@ contains
             if (.not. (pressed .or. c%pressure(i) > stray*most)) cycle
             associate (pair => model%pair(c%pair(i)))
                if (.not. model%interaction(pair%interaction)%method%is_exact()) cycle
+               if (.not. (sure .or. stands(scene, model, i))) cycle
                if (.not. c%idle(i)) then
-                  if (.not. node_held(scene, model, c%node(i), c%normal(:, i))) cycle
-                  if (.not. master_held(scene, model, i)) cycle
+                  if (.not. node_held(scene, model, c%node(i), c%normal(:, i:i))) cycle
+                  if (.not. master_held(scene, model, i, c%normal(:, i:i))) cycle
                end if
                if (.not. pressed) then
                   call raise(error, error_code%not_converged, held_id, 'node '// &
@@ -234,7 +242,7 @@ contains
       associate (c => scene%newton%contact)
          do i = 1, c%n
             if (c%pressure(i) <= most) cycle
-            if (node_held(scene, model, c%node(i), c%normal(:, i))) cycle
+            if (node_held(scene, model, c%node(i), c%normal(:, i:i))) cycle
             most = c%pressure(i)
          end do
       end associate
@@ -248,23 +256,52 @@ contains
       type(error_type), allocatable, intent(inout) :: error
       type(error_type), allocatable :: cause
 
-      call refuse_held_points(scene, model, cause)
+      call refuse_held_points(scene, model, cause, balanced=.false.)
       if (allocated(cause)) call move_alloc(cause, error)
    end subroutine name_held_point
 
-   !> No free equation moves the node along a direction.
-   pure logical function node_held(scene, model, node, direction) result(held)
+   !> No free equation moves the node along directions, whatever the axes of its supports are.
+   pure logical function node_held(scene, model, node, directions) result(held)
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
       integer, intent(in) :: node
-      real(wp), intent(in) :: direction(3)
-      integer :: k
+      real(wp), intent(in) :: directions(:, :) !! (3, n) unit; one of no length is not held
+      integer :: id(3), k, n, a
 
+      id = 0
+      id(:model%mesh%ndim) = scene%dofs%id(:model%mesh%ndim, node)
       held = .true.
-      do k = 1, model%mesh%ndim
-         if (abs(direction(k)) > counts) held = held .and. dof_held(scene, scene%dofs%id(k, node))
+      do n = 1, size(directions, 2)
+         held = held .and. any(abs(directions(:, n)) > 0.0_wp)
+         do k = 1, 3
+            if (.not. held .or. id(k) == 0) cycle
+            do a = scene%constraints%first(id(k)), scene%constraints%first(id(k) + 1) - 1
+               associate (equation => scene%constraints%equation(a))
+                  held = held .and. .not. abs(way_in(scene, id, directions(:, n), equation)) &
+                     & > counts*unit_of(scene, scene%constraints%dof_of_equation(equation))
+               end associate
+            end do
+         end do
       end do
    end function node_held
+
+   !> How far one free equation moves a node along a direction.
+   pure real(wp) function way_in(scene, id, direction, equation) result(way)
+      type(scene_type), intent(in) :: scene
+      integer, intent(in) :: id(3)             !! dofs; 0: there is none
+      real(wp), intent(in) :: direction(3)
+      integer, intent(in) :: equation
+      integer :: k, a
+
+      way = 0.0_wp
+      do k = 1, 3
+         if (id(k) == 0) cycle
+         do a = scene%constraints%first(id(k)), scene%constraints%first(id(k) + 1) - 1
+            if (scene%constraints%equation(a) == equation) way = way + direction(k) &
+               & *scene%constraints%coefficient(a)
+         end do
+      end do
+   end function way_in
 
    pure logical function dof_held(scene, dof) result(held)
       type(scene_type), intent(in) :: scene
@@ -273,43 +310,54 @@ contains
       if (.not. held) held = scene%constraints%first(dof + 1) == scene%constraints%first(dof)
    end function dof_held
 
-   !> No free equation moves a tool along a direction, or turns it.
-   pure logical function tool_held(scene, model, body, direction) result(held)
+   !> No free equation moves a tool along directions, or turns it.
+   pure logical function tool_held(scene, model, body, directions) result(held)
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
       integer, intent(in) :: body              !! that moves it; 0: it is fixed
-      real(wp), intent(in) :: direction(3)
+      real(wp), intent(in) :: directions(:, :) !! (3, n)
       integer :: k
 
       held = .true.
       if (body == 0) return
       associate (reference => model%rigid_body(body)%reference)
-         held = node_held(scene, model, reference, direction)
+         held = node_held(scene, model, reference, directions)
          do k = 4, 6
             held = held .and. dof_held(scene, scene%dofs%id(k, reference))
          end do
       end associate
    end function tool_held
 
-   !> The tool, or the nodes of the facet opposite, have no free way along the normal.
-   pure logical function master_held(scene, model, i) result(held)
+   !> Supports alone decide the place of a point and of what lies opposite.
+   pure logical function stands(scene, model, i)
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
       integer, intent(in) :: i                 !! point
+
+      stands = node_held(scene, model, scene%newton%contact%node(i), everywhere)
+      if (stands) stands = master_held(scene, model, i, everywhere)
+   end function stands
+
+   !> The tool, or the nodes of the facet opposite, have no free way along directions.
+   pure logical function master_held(scene, model, i, directions) result(held)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: i                 !! point
+      real(wp), intent(in) :: directions(:, :) !! (3, n)
       integer :: f, k
 
       associate (c => scene%newton%contact, master => &
          & scene%newton%contact%masters%of(scene%newton%contact%pair(i)))
          held = .true.
          if (master%tool > 0) then
-            held = tool_held(scene, model, master%body, c%normal(:, i))
+            held = tool_held(scene, model, master%body, directions)
             return
          end if
          f = c%facet(i)
          if (f > master%surface%facets%n) f = 0
          do k = 1, merge(master%surface%facets%nnode(max(f, 1)), 0, f > 0)
             held = held .and. node_held(scene, model, master%surface%facets%node(k, f), &
-               & c%normal(:, i))
+               & directions)
          end do
       end associate
    end function master_held

@@ -3,7 +3,7 @@ module lopin_frames
    use lopin_kinds, only : wp
    use lopin_constraints, only : axes_at
    use lopin_model, only : model_type
-   use lopin_report, only : frame_type, damage_field_type
+   use lopin_report, only : frame_type, damage_field_type, contact_field_type
    use lopin_recover_stress, only : recover_stress, average_to_nodes
    use lopin_recover_nonlinear, only : recover_nonlinear
    use lopin_recorder, only : wants_type
@@ -212,7 +212,7 @@ contains
             if (.not. allocated(c%node)) allocate (c%node(n), c%facet(n), c%status(n), &
                & c%weight(n), c%gap(n), &
                & c%pressure(n), c%normal(ndim, n), c%force(ndim, n), c%xi(2, n), c%u_n(n), &
-               & c%u_t(ndim, n))
+               & c%u_t(ndim, n), c%shear(ndim, n), c%couple(3, n))
             c%node = p%node(from:from + n - 1)
             c%facet = p%facet(from:from + n - 1)
             c%weight = p%weight(from:from + n - 1)
@@ -221,6 +221,8 @@ contains
             c%status = merge(0, -1, c%facet > 0)
             c%pressure = 0.0_wp
             c%force = 0.0_wp
+            c%shear = 0.0_wp
+            c%couple = 0.0_wp
             do i = 1, n
                motion = relative_motion(scene, model, from + i - 1, since_projection=.false.)
                c%u_n(i) = dot_product(motion(:ndim), c%normal(:, i))
@@ -234,16 +236,14 @@ contains
             do row = scene%rows%nnormal + 1, scene%rows%n
                point = scene%rows%point(row) - from + 1
                if (point < 1 .or. point > n) cycle
-               c%force(:, point) = c%force(:, point) &
-                  & + scene%answer%force(row)*scene%rows%direction(:ndim, row)
+               call add_row(c, scene, model, pair, row)
                if (scene%rows%tied(row)) c%status(point) = 3
             end do
             across = 0.0_wp
             do row = scene%rows%group_first(pair), scene%rows%group_first(pair + 1) - 1
                point = scene%rows%point(row) - from + 1
                across(scene%rows%point(row)) = scene%answer%force(row)
-               c%force(:, point) = c%force(:, point) &
-                  & + scene%answer%force(row)*scene%rows%direction(:ndim, row)
+               call add_row(c, scene, model, pair, row)
                if (scene%rows%tied(row)) then
                   c%status(point) = 3
                else
@@ -263,9 +263,43 @@ contains
                c%pressure(i) = dot_product(c%force(:, i), c%normal(:, i))/c%weight(i)
                if (has_samples(p, from + i - 1) .and. c%status(i) < 3) &
                   & c%pressure(i) = across(from + i - 1)/c%weight(i)
+               if (c%status(i) == 3) c%shear(:, i) = c%force(:, i) &
+                  & - dot_product(c%force(:, i), c%normal(:, i))*c%normal(:, i)
             end do
             frame%closed = frame%closed + count(c%status > 0)
          end associate
       end do
    end subroutine contact_values
+
+   !> What a row adds to the forces of its point.
+   subroutine add_row(field, scene, model, pair, row)
+      type(contact_field_type), intent(inout) :: field
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: pair, row
+      real(wp) :: arm(3), own(3), along(size(field%force, 1))
+      integer :: k, i, d, reference
+
+      d = size(along)
+      i = scene%rows%point(row) - scene%points%first(pair) + 1
+      along = scene%answer%force(row)*scene%rows%direction(:d, row)
+      field%force(:, i) = field%force(:, i) + along
+      if (row > scene%rows%nnormal) field%shear(:, i) = field%shear(:, i) + along
+      if (.not. has_samples(scene%points, scene%rows%point(row))) return
+      if (scene%points%tool(pair) == 0) return
+      reference = 0
+      if (scene%points%body(pair) > 0) reference &
+         & = model%rigid_body(scene%points%body(pair))%reference
+      ! Places beside the node; only rows against tools have them.
+      do k = scene%rows%first(row), scene%rows%first(row + 1) - 1
+         associate (node => scene%dofs%node(scene%rows%dof(k)), dof => scene%rows%dof(k))
+            if (node == reference) cycle
+            arm = 0.0_wp
+            arm(:d) = model%mesh%x(:, node) - model%mesh%x(:, field%node(i))
+            own = 0.0_wp
+            own(scene%dofs%dof(dof)) = scene%rows%coefficient(k)*scene%answer%force(row)
+            field%couple(:, i) = field%couple(:, i) + cross(arm, own)
+         end associate
+      end do
+   end subroutine add_row
 end module lopin_frames

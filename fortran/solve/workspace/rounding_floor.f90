@@ -7,7 +7,7 @@
 module lopin_rounding_floor
    use lopin_kinds, only : wp
    use lopin_vectors, only : largest
-   use lopin_constraints, only : reduce
+   use lopin_constraints, only : reduce_bounds
    use lopin_scene, only : scene_type
    implicit none
    private
@@ -48,8 +48,8 @@ contains
       if (scene%dofs%rotate) then
          where (scene%dofs%dof > 3) stiffness = stiffness*scene%bodies%length
       end if
-      call reduce(scene%constraints, stiffness, floor)
-      floor = abs(floor)*noise_of_places(scene)
+      call reduce_bounds(scene%constraints, stiffness, floor)
+      floor = floor*noise_of_places(scene)
    end subroutine floor_of_forces
 
    !> The same of the rows of multipliers, as forces.
