@@ -220,6 +220,10 @@ contains
       real(wp), intent(out) :: r(:)           !! (neq)
       integer :: i, k
 
+      if (self%plain) then
+         r(:self%neq) = abs(bound(self%dof_of_equation))
+         return
+      end if
       r = 0.0_wp
       do i = 1, self%ndof
          do k = self%first(i), self%first(i + 1) - 1
