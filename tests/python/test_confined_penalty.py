@@ -108,7 +108,8 @@ def test_one_element_by_hand(go):
 def test_layers(go, nlgeom, count):
     r = go(stack("*SURFACE BEHAVIOR, PENALTY", count, nlgeom))
     exact = go(stack("*SURFACE BEHAVIOR, DIRECT", count, nlgeom))
-    assert forces(r) == approx(forces(exact), rel=PROMISED)
+    # The slope is chosen for what is promised, which two layers have to rounding.
+    assert forces(r) == approx(forces(exact), rel=PROMISED + 1e-9)
     assert r.summary["certificate"]["pressure_error"] <= PROMISED
 
 
