@@ -1,5 +1,6 @@
 """Penalties that Lopin chooses where bodies are confined or layered: right to the error promised."""
 import math
+import re
 
 import pytest
 from pytest import approx
@@ -111,6 +112,27 @@ def test_layers(go, nlgeom, count):
     # The slope is chosen for what is promised, which two layers have to rounding.
     assert forces(r) == approx(forces(exact), rel=PROMISED + 1e-9)
     assert r.summary["certificate"]["pressure_error"] <= PROMISED
+
+
+@pytest.mark.parametrize("nlgeom", [False, True])
+@pytest.mark.parametrize("behavior", ["PENALTY", "PERTURBED LAGRANGE"])
+@pytest.mark.parametrize("thin", [0.1, 0.01, 0.003])
+def test_what_springs_give_way_under_loads_is_told(go, behavior, nlgeom, thin):
+    """Thin layers pressed by a force: pressures are right, and the way of the top is not."""
+    def lowered(method):
+        text = stack(f"*SURFACE BEHAVIOR, {method}", 2, nlgeom, thin)
+        left, middle, right = re.search(r"NSET=TOP\n(\d+), (\d+), (\d+)", text).groups()
+        text = text.replace(f"*BOUNDARY\nTOP, 2, 2, {-0.01*thin*2!r}",
+                            f"*CLOAD\n{left}, 2, -.5\n{middle}, 2, -1.\n{right}, 2, -.5")
+        r = go(text)
+        told = re.findall(r"W0568.*hold ([\d.e+-]+) %", r.output)
+        return -r.field("U")[:, 1].min(), [float(share) for share in told[:1]]
+
+    (soft, told), (right, none) = lowered(behavior), lowered("DIRECT")
+    off = 100.0*(soft/right - 1.0)
+    assert not none and bool(told) == (off > 5.0)
+    assert not told or told[0] == approx(off, rel=0.05)
+    assert behavior == "PERTURBED LAGRANGE" or thin == 0.1 or told
 
 
 @pytest.mark.parametrize("nlgeom", [False, True])
