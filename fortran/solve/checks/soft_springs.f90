@@ -35,8 +35,8 @@ contains
             & return
          call warn_once(scene%log, 'W0568', 'at the end of step '//to_text(scene%step)// &
             & ' the springs of contact, whose stiffness was chosen for the pressures, hold '// &
-            & to_text(100.0_wp*energy%contact/stored, 2)//' % of what the bodies do: what loads '// &
-            & 'move moves too far by about as much', model%step(scene%step)%at, &
+            & to_text(100.0_wp*energy%contact/stored, 2)//' % of what the bodies do: what '// &
+            & 'loads move moves too far by about as much', model%step(scene%step)%at, &
             & help='DIRECT or AUGMENTED LAGRANGE, or a stiffness of your own behind PENALTY')
       end associate
    end subroutine check_soft_springs
