@@ -197,6 +197,7 @@ contains
       allocate (field%normal(d, n), field%force(d, n), field%u_t(d, n), source=0.0_wp)
       field%normal(d, :) = 1.0_wp
       field%force(d, :) = field%weight*field%pressure
+      allocate (field%shear(d, n), field%couple(3, n), source=0.0_wp)
       field%u_t(1, :) = 0.5_wp
       allocate (field%xi(2, n), source=0.25_wp)
    end subroutine make_contact
