@@ -6,7 +6,7 @@ module lopin_check_unused
    use lopin_error, only : severity, location_type
    use lopin_text, only : upper
    use lopin_model, only : model_type, output_type, output_of, surface_of
-   use lopin_pair_activity, only : asks_pair
+   use lopin_pair_activity, only : asks_pair, is_named
    use lopin_block, only : deck_type, get_parameter
    implicit none
    private
@@ -191,7 +191,7 @@ contains
       logical :: named(size(model%pair))
       integer :: i
 
-      named = [(is_named(model%pair(i)%slave) .or. is_named(model%pair(i)%master), &
+      named = [(has(model%pair(i)%slave) .or. has(model%pair(i)%master), &
          & i=1, size(model%pair))]
       if (.not. any(named)) named = .true.
       text = ''
@@ -209,16 +209,11 @@ contains
 
    contains
 
-      pure logical function is_named(surface)
+      pure logical function has(surface)
          integer, intent(in) :: surface
 
-         is_named = .false.
-         if (surface == 0) return
-         if (output%slave > 0) is_named = model%surface(output%slave)%name &
-            & == model%surface(surface)%name
-         if (output%master > 0) is_named = is_named .or. model%surface(output%master)%name &
-            & == model%surface(surface)%name
-      end function is_named
+         has = is_named(model, output%slave, surface) .or. is_named(model, output%master, surface)
+      end function has
    end function pairs_of_request
 
    subroutine check_materials(model)

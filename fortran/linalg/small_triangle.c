@@ -6,12 +6,7 @@
  * `rows` numbers apart; `inverse` are those of the pivots. */
 #include <stddef.h>
 #include <string.h>
-
-#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__gnu_linux__)
-#define FOR_EACH_PROCESSOR __attribute__((target_clones("avx2", "default")))
-#else
-#define FOR_EACH_PROCESSOR
-#endif
+#include "every_processor.h"
 
 enum { PARTS = 8, AT_A_TIME = 4 };
 typedef float parts_type __attribute__((vector_size(PARTS * sizeof(float))));

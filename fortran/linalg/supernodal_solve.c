@@ -1,15 +1,9 @@
 /* Solutions with a supernodal factor in double precision, of one right-hand side or many. */
 #include <stdlib.h>
 #include <string.h>
+#include "every_processor.h"
 #include "supernodal.h"
 
-#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__gnu_linux__)
-#define FOR_EACH_PROCESSOR __attribute__((target_clones("avx2", "default")))
-#define FETCH(place) __builtin_prefetch(place)
-#else
-#define FOR_EACH_PROCESSOR
-#define FETCH(place) (void)0
-#endif
 enum { PARTS = 4, AT_A_TIME = 4 };
 typedef double parts_type __attribute__((vector_size(PARTS * sizeof(double))));
 

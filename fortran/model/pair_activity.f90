@@ -4,7 +4,7 @@ module lopin_pair_activity
    use lopin_model, only : model_type, output_type
    implicit none
    private
-   public :: active_pairs, pairs_change, asks_pair
+   public :: active_pairs, pairs_change, asks_pair, is_named
 
 contains
 
@@ -39,20 +39,19 @@ contains
       integer, intent(in) :: p                 !! pair
 
       associate (pair => model%pair(p))
-         asks_pair = is_asked(output%slave, pair%slave) .and. is_asked(output%master, pair%master)
+         asks_pair = (output%slave == 0 .or. is_named(model, output%slave, pair%slave)) &
+            & .and. (output%master == 0 .or. is_named(model, output%master, pair%master))
       end associate
-
-   contains
-
-      !> One name may stand for a surface of faces and for one of nodes.
-      pure logical function is_asked(asked, surface)
-         integer, intent(in) :: asked, surface !! 0: none
-
-         is_asked = asked == 0 .or. asked == surface
-         if (.not. is_asked .and. surface > 0) is_asked = model%surface(asked)%name &
-            & == model%surface(surface)%name
-      end function is_asked
    end function asks_pair
+
+   !> Two surfaces have one name, which may stand for one of faces and for one of nodes.
+   pure logical function is_named(model, asked, surface)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: asked, surface    !! 0: none, which has no name
+
+      is_named = asked > 0 .and. surface > 0
+      if (is_named) is_named = model%surface(asked)%name == model%surface(surface)%name
+   end function is_named
 
    !> The deck changes pairs between steps.
    pure logical function pairs_change(model)

@@ -13,6 +13,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
+from page_tables import put_table
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT/"docs"/"forming.md"
@@ -131,9 +132,7 @@ def main() -> None:
                 rows.append(row(f"{cells[0]} x {cells[1]}; {error:g}",
                                 forged(cells, error, Path(folder)), analytic))
                 print(rows[-1], flush=True)
-    before, rest = PAGE.read_text(encoding="utf-8").split(BEGIN)
-    PAGE.write_text(before + BEGIN + "\n" + "\n".join(rows) + "\n" + END + rest.split(END)[1],
-                    encoding="utf-8")
+    put_table(PAGE, BEGIN, END, "\n".join(rows))
 
 
 if __name__ == "__main__":

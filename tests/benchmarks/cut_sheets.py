@@ -8,7 +8,6 @@ minutes.
 """
 from __future__ import annotations
 
-import csv
 import json
 import os
 import sys
@@ -17,6 +16,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
+from page_tables import put_table
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE, BEGIN, END = ROOT/"docs"/"damage.md", "<!-- clearances -->", "<!-- end of clearances -->"
@@ -27,19 +27,12 @@ import blanking  # noqa: E402
 
 import lopin  # noqa: E402
 from lopin.remesh.driver import Runner  # noqa: E402
+from lopin.remesh.report import columns  # noqa: E402
 
 CRITERIA = ("COCKCROFT-LATHAM", "OYANE", "RICE-TRACEY")
 CLEARANCES = (0.01, 0.03, 0.05, 0.10, 0.15)
 #: Where the crack of the clearance of 5 % is taken to begin [mm].
 ONSET, REFERENCE = 0.2, (0.05, 0.025)
-
-
-def columns(path: Path) -> dict[str, np.ndarray]:
-    """A history by the names of its columns, without their units."""
-    with path.open(newline="") as file:
-        head, *lines = csv.reader(file)
-    table = np.array([[float(word or "nan") for word in line] for line in lines]).T
-    return {word.partition(" ")[0]: row for word, row in zip(head, table)}
 
 
 def cut(deck: lopin.Deck, folder: str) -> tuple[dict[str, np.ndarray], Runner, str]:
@@ -107,22 +100,14 @@ def through() -> list[str]:
     return lines + [f"| {name} | {value:.5g} |" for name, value in report["balance"].items()]
 
 
-def put(text: str, begin: str, end: str, lines: list[str]) -> str:
-    """The page with other lines between two marks."""
-    before, rest = text.split(begin)
-    return before + begin + "\n" + "\n".join(lines) + "\n" + end + rest.split(end)[1]
-
-
 def main() -> None:
     """Both tables, printed and into the page."""
     tables = (BEGIN, END, clearances()), (THROUGH, THROUGH_END, through())
     for _, _, lines in tables:
         print("\n".join(lines))
     if "--print" not in sys.argv:
-        text = PAGE.read_text(encoding="utf-8")
         for mark, other, lines in tables:
-            text = put(text, mark, other, lines)
-        PAGE.write_text(text, encoding="utf-8")
+            put_table(PAGE, mark, other, "\n".join(lines))
 
 
 if __name__ == "__main__":

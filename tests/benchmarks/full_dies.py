@@ -9,7 +9,6 @@ stopped is resumed from its last part.
 """
 from __future__ import annotations
 
-import argparse
 import json
 import os
 import re
@@ -20,6 +19,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
+from page_tables import put_table, scene_words
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE, BEGIN, END = ROOT/"docs"/"forming.md", "<!-- full dies -->", "<!-- end of full dies -->"
@@ -111,18 +111,13 @@ def forces_of(rows: dict[str, dict]) -> list[str]:
 
 def write(rows: dict[str, dict]) -> None:
     """The tables into the page."""
-    before, rest = PAGE.read_text(encoding="utf-8").split(BEGIN)
-    table = "\n".join([HEAD, *(line_of(*row) for row in rows.items()), *forces_of(rows)])
-    PAGE.write_text(f"{before}{BEGIN}\n{table}\n{END}{rest.split(END)[1]}", encoding="utf-8")
+    put_table(PAGE, BEGIN, END, "\n".join([HEAD, *(line_of(*row) for row in rows.items()),
+                                           *forces_of(rows)]))
 
 
 def main() -> None:
     """Run what is not kept, print, and write the page."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("words", nargs="*")
-    parser.add_argument("--keep", type=Path)
-    parser.add_argument("--print", action="store_true", dest="only_print")
-    given = parser.parse_args()
+    given = scene_words(__doc__.splitlines()[0])
     rows: dict[str, dict] = {}
     with TemporaryDirectory() as scratch:
         for name, (scene, how) in SCENES.items():

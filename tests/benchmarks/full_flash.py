@@ -17,6 +17,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
+from page_tables import put_table
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE, BEGIN, END = ROOT/"docs"/"remeshing.md", "<!-- full flash -->", "<!-- end of full flash -->"
@@ -27,7 +28,7 @@ import forging  # noqa: E402
 import lopin  # noqa: E402
 from lopin.remesh import plane  # noqa: E402
 from lopin.remesh.driver import Runner  # noqa: E402
-from lopin.remesh.report import _columns as columns  # noqa: E402
+from lopin.remesh.report import columns  # noqa: E402
 
 STROKES = (4.0, 4.4, 4.8, 4.95, 5.0, 5.3, 5.7)
 CARD = "SIZE=0.8, SMALLEST=0.15"
@@ -106,9 +107,7 @@ def main() -> None:
         lines.append(line_of(name, row, first))
         print(lines[-1], flush=True)
     if "--print" not in sys.argv:
-        before, rest = PAGE.read_text(encoding="utf-8").split(BEGIN)
-        PAGE.write_text(before + BEGIN + "\n" + "\n".join(lines) + "\n" + END + rest.split(END)[1],
-                        encoding="utf-8")
+        put_table(PAGE, BEGIN, END, "\n".join(lines))
 
 
 if __name__ == "__main__":

@@ -23,6 +23,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from page_tables import put_table
 
 ROOT = Path(__file__).resolve().parents[2]
 os.environ.update(OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1")
@@ -280,9 +281,7 @@ def main() -> None:
     if options.print:
         print(table)
     else:
-        text = PAGE.read_text(encoding="utf-8")
-        before, rest = text.split(BEGIN)
-        PAGE.write_text(f"{before}{BEGIN}\n{table}\n{END}{rest.split(END)[1]}", encoding="utf-8")
+        put_table(PAGE, BEGIN, END, table)
     sys.exit(0 if fine else 1)
 
 

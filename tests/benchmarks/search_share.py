@@ -17,9 +17,11 @@ import subprocess
 import tempfile
 from pathlib import Path
 
+from page_tables import put_table
+
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT/"docs"/"search.md"
-BEGIN, END = "<!-- search_share.py -->\n", "<!-- end of search_share.py -->\n"
+BEGIN, END = "<!-- search_share.py -->", "<!-- end of search_share.py -->"
 
 
 def block(node: int, element: int, name: str, cells: tuple, corner: tuple, size: tuple) -> str:
@@ -132,10 +134,7 @@ def main() -> None:
     for name, make in DECKS:
         table += row(name, make(), repeat)
         print(table.splitlines()[-1], flush=True)
-    page = PAGE.read_text(encoding="utf-8")
-    before, rest = page.split(BEGIN)
-    after = rest.split(END)[1]
-    PAGE.write_text(before + BEGIN + table + END + after, encoding="utf-8")
+    put_table(PAGE, BEGIN, END, table.rstrip("\n"))
 
 
 if __name__ == "__main__":

@@ -14,6 +14,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
+from page_tables import put_table
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT/"docs"/"forming.md"
@@ -61,9 +62,7 @@ def main() -> None:
         m.lower().split()[0] for m in METHODS) + " |", "| --- "*(len(METHODS) + 1) + "|"]
     for name, (make, given) in SCENES.items():
         rows.append(f"| {name} | " + " | ".join(cell(make, given, m) for m in METHODS) + " |")
-    before, rest = PAGE.read_text(encoding="utf-8").split(BEGIN)
-    after = rest.split(END)[1]
-    PAGE.write_text(before + BEGIN + "\n" + "\n".join(rows) + "\n" + END + after, encoding="utf-8")
+    put_table(PAGE, BEGIN, END, "\n".join(rows))
 
 
 if __name__ == "__main__":

@@ -9,7 +9,6 @@ where it was broken off.
 """
 from __future__ import annotations
 
-import argparse
 import json
 import os
 import re
@@ -19,6 +18,7 @@ from math import exp, radians
 from pathlib import Path
 
 import numpy as np
+from page_tables import put_table, scene_words
 
 ROOT = Path(__file__).resolve().parents[2]
 os.environ.update(OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1")
@@ -196,21 +196,14 @@ def line_of(row: dict) -> str:
 
 def write(rows: list[dict]) -> None:
     """The table into the page."""
-    text = PAGE.read_text(encoding="utf-8")
-    before, rest = text.split(BEGIN)
     head = ["| scene | increments, iterations | largest force [N] | at the end of the forming | said |",
             "| --- | --- | --- | --- | --- |"]
-    table = "\n".join([*head, *map(line_of, rows)])
-    PAGE.write_text(f"{before}{BEGIN}\n{table}\n{END}{rest.split(END)[1]}", encoding="utf-8")
+    put_table(PAGE, BEGIN, END, "\n".join([*head, *map(line_of, rows)]))
 
 
 def main() -> None:
     """Run what is not kept, print, and write the page."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("words", nargs="*")
-    parser.add_argument("--keep", type=Path)
-    parser.add_argument("--print", action="store_true", dest="only_print")
-    given = parser.parse_args()
+    given = scene_words(__doc__.splitlines()[0])
     rows = []
     for name, make in scenes():
         if given.words and not any(w in name for w in given.words):

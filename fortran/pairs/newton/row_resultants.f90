@@ -10,7 +10,7 @@ module lopin_row_resultants
    use lopin_nonlinear_contact, only : nonlinear_contact_type
    implicit none
    private
-   public :: row_resultants
+   public :: row_resultants, sum_places
 
 contains
 
@@ -49,26 +49,38 @@ contains
       type(model_type), intent(in) :: model
       integer, intent(in) :: local
       real(wp), intent(out) :: force(3), couple(3)
-      real(wp) :: own(3), arm(3)
-      integer :: k, node, reference, d
+      integer :: reference
 
-      d = model%mesh%ndim
-      force = 0.0_wp
-      couple = 0.0_wp
-      associate (l => self%local(local), x => self%masters%x, i => self%local(local)%point)
+      associate (i => self%local(local)%point, &
+         & of => self%local(local)%dof(:self%local(local)%nu))
          reference = 0
          if (self%masters%of(self%pair(i))%body > 0) reference &
             & = model%rigid_body(self%masters%of(self%pair(i))%body)%reference
-         do k = 1, l%nu
-            node = self%dofs%node(l%dof(k))
-            if (node == reference) cycle
-            own = 0.0_wp
-            own(self%dofs%dof(l%dof(k))) = self%trial(i)%force(k)
-            arm = 0.0_wp
-            arm(:d) = x(:, node) - x(:, self%node(i))
-            force = force + own
-            couple = couple + cross(arm, own)
-         end do
+         call sum_places(self%masters%x, self%dofs%node(of), self%dofs%dof(of), &
+            & self%trial(i)%force(:size(of)), self%node(i), reference, force, couple)
       end associate
    end subroutine sum_row
+
+   !> Forces on dofs of nodes and their moment about one of these; nothing of the reference.
+   pure subroutine sum_places(x, node, direction, value, about, reference, force, couple)
+      real(wp), intent(in) :: x(:, :)          !! (ndim, nnode) [length]
+      integer, intent(in) :: node(:), direction(:)   !! of each dof
+      real(wp), intent(in) :: value(:)         !! [force]
+      integer, intent(in) :: about, reference  !! nodes; no reference: 0
+      real(wp), intent(out) :: force(3), couple(3)
+      real(wp) :: own(3), arm(3)
+      integer :: k
+
+      force = 0.0_wp
+      couple = 0.0_wp
+      do k = 1, size(node)
+         if (node(k) == reference) cycle
+         own = 0.0_wp
+         own(direction(k)) = value(k)
+         arm = 0.0_wp
+         arm(:size(x, 1)) = x(:, node(k)) - x(:, about)
+         force = force + own
+         couple = couple + cross(arm, own)
+      end do
+   end subroutine sum_places
 end module lopin_row_resultants

@@ -12,7 +12,7 @@ module lopin_slip_increment
    private
    public :: condition_at, anchor_slip, slip_from_anchor, path_of, dissipated, mean_work_of
    public :: held_energy, shear_bound, shear_excess, speed_of, lost_bound, turn
-   public :: note_sliding, forget_sliding
+   public :: note_sliding, forget_sliding, shear_of
 
    !> Share of the increment that rates of slip are at least taken over.
    real(wp), parameter :: least_left = 0.1_wp
@@ -171,12 +171,21 @@ contains
          if (self%facet(i) == 0 .or. self%enforcement(i)%tied) cycle
          bound = shear_bound(self, i)
          if (.not. bound < huge(1.0_wp)) cycle
-         shear = self%traction(:, i) - self%pressure(i)*self%normal(:, i)
+         shear = shear_of(self, i)
          most = max(most, bound)
          excess = max(excess, norm2(shear) - bound - noise*self%c(i))
       end do
       if (excess > 0.0_wp) excess = excess/most
    end function shear_excess
+
+   !> The part of the traction of a point along its tangents [stress].
+   pure function shear_of(self, i) result(shear)
+      type(nonlinear_contact_type), intent(in) :: self
+      integer, intent(in) :: i
+      real(wp) :: shear(3)
+
+      shear = self%traction(:, i) - self%pressure(i)*self%normal(:, i)
+   end function shear_of
 
    !> Where a step of Newton starts: how points slide there. They stick before they slide the other
    !> way. What gives way before it slides has a way to leap into.
@@ -189,7 +198,7 @@ contains
          associate (e => self%enforcement(i))
             if (self%status(i) /= contact_status%slip) cycle
             if (.not. e%method%is_exact() .or. e%method%updates()) cycle
-            e%slid = self%traction(:, i) - self%pressure(i)*self%normal(:, i)
+            e%slid = shear_of(self, i)
          end associate
       end do
    end subroutine note_sliding

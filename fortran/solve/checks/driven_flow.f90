@@ -54,6 +54,7 @@ contains
          clock%extra = 0.0_wp
          flowed = scene%trial%solids%work - scene%accepted%solids%work
          if (.not. (flowed > 0.0_wp .and. newton%dt > 0.0_wp)) return
+         if (.not. has_rate(scene)) return
          driven = min(1.0_wp, 0.5_wp*dot_product(load + scene%accepted%loads%force, &
             & scene%trial%motion%u - scene%accepted%motion%u)/flowed)
          if (.not. driven > 0.0_wp) return
@@ -70,6 +71,14 @@ contains
          end associate
       end associate
    end subroutine limit_driven
+
+   !> Some metal looks at its rate.
+   pure logical function has_rate(scene)
+      type(scene_type), intent(in) :: scene
+      integer :: g
+
+      has_rate = any([(is_viscous(scene%solids%group(g)%law%flow), g=1, size(scene%solids%group))])
+   end function has_rate
 
    !> Power, and what an increment does too much. From where the power of a first increment rose is
    !> known by the second: loads may be there at once.

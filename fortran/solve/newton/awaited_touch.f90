@@ -13,6 +13,7 @@ module lopin_awaited_touch
    use lopin_constraints, only : expand
    use lopin_contact_row, only : contact_status
    use lopin_touch_onset, only : may_touch
+   use lopin_slip_increment, only : shear_of
    use lopin_nonlinear_contact, only : nonlinear_contact_type
    use lopin_residual, only : evaluation_type, evaluate
    use lopin_line_search, only : search_type
@@ -125,11 +126,4 @@ contains
       if (has_turned) has_turned = contact%status(i) /= contact_status%slip &
          & .or. dot_product(self%slid(:, i), shear_of(contact, i)) < 0.0_wp
    end function has_turned
-
-   pure function shear_of(contact, i) result(shear)
-      type(nonlinear_contact_type), intent(in) :: contact
-      integer, intent(in) :: i
-      real(wp) :: shear(3)
-      shear = contact%traction(:, i) - contact%pressure(i)*contact%normal(:, i)
-   end function shear_of
 end module lopin_awaited_touch

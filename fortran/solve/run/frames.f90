@@ -8,6 +8,7 @@ module lopin_frames
    use lopin_recover_nonlinear, only : recover_nonlinear
    use lopin_recorder, only : wants_type
    use lopin_vectors, only : cross
+   use lopin_row_resultants, only : sum_places
    use lopin_small_displacements, only : turns
    use lopin_mean_gradient, only : own_motion
    use lopin_scene, only : scene_type
@@ -277,12 +278,11 @@ contains
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
       integer, intent(in) :: pair, row
-      real(wp) :: arm(3), own(3), along(size(field%force, 1))
-      integer :: k, i, d, reference
+      real(wp) :: along(size(field%force, 1)), force(3), couple(3)
+      integer :: i, reference
 
-      d = size(along)
       i = scene%rows%point(row) - scene%points%first(pair) + 1
-      along = scene%answer%force(row)*scene%rows%direction(:d, row)
+      along = scene%answer%force(row)*scene%rows%direction(:size(along), row)
       field%force(:, i) = field%force(:, i) + along
       if (row > scene%rows%nnormal) field%shear(:, i) = field%shear(:, i) + along
       if (.not. has_samples(scene%points, scene%rows%point(row))) return
@@ -291,15 +291,11 @@ contains
       if (scene%points%body(pair) > 0) reference &
          & = model%rigid_body(scene%points%body(pair))%reference
       ! Places beside the node; only rows against tools have them.
-      do k = scene%rows%first(row), scene%rows%first(row + 1) - 1
-         associate (node => scene%dofs%node(scene%rows%dof(k)), dof => scene%rows%dof(k))
-            if (node == reference) cycle
-            arm = 0.0_wp
-            arm(:d) = model%mesh%x(:, node) - model%mesh%x(:, field%node(i))
-            own = 0.0_wp
-            own(scene%dofs%dof(dof)) = scene%rows%coefficient(k)*scene%answer%force(row)
-            field%couple(:, i) = field%couple(:, i) + cross(arm, own)
-         end associate
-      end do
+      associate (of => scene%rows%dof(scene%rows%first(row):scene%rows%first(row + 1) - 1), &
+         & share => scene%rows%coefficient(scene%rows%first(row):scene%rows%first(row + 1) - 1))
+         call sum_places(model%mesh%x, scene%dofs%node(of), scene%dofs%dof(of), &
+            & share*scene%answer%force(row), field%node(i), reference, force, couple)
+      end associate
+      field%couple(:, i) = field%couple(:, i) + couple
    end subroutine add_row
 end module lopin_frames

@@ -22,8 +22,7 @@ contains
       real(wp) :: force(size(value))           !! [force]
 
       force = value
-      if (.not. has_rotations(scene)) return
-      where (scene%dofs%dof(dof) > last_displacement) force = force/scene%bodies%length
+      call to_forces(scene, force, dof)
    end function as_forces
 
    !> The same in place.

@@ -177,7 +177,7 @@ class Report:
         the tools that neither flow, friction nor elastic strain hold at the end, which metal that
         separated took along or gave back as it was let go of.
         """
-        found = _columns(self.folder/f"{self.name}_history.csv")
+        found = columns(self.folder/f"{self.name}_history.csv")
         if not found or not any(r.cut for r in self.remeshes):
             return {}
         left, scrap = found["volume"][-1], sum(p["volume"] for r in self.remeshes for p in r.scrap)
@@ -218,7 +218,7 @@ class Report:
         unloaded body has left is beside that, and of metal that has none beside its work."""
         largest, work, found = 0.0, 0.0, {}
         for number, name in enumerate(self.parts, 1):
-            history = _columns(self.folder/f"{name}_history.csv")
+            history = columns(self.folder/f"{name}_history.csv")
             strain = history.get("energy.strain", np.zeros(0))
             if len(strain):
                 work += float(history.get("energy.plastic", np.zeros(1))[-1])
@@ -309,7 +309,7 @@ def _forces(path: Path) -> NDArray | None:
         return np.array([[float(row[k]) for k in columns] for row in rows])
 
 
-def _columns(path: Path) -> dict[str, NDArray]:
+def columns(path: Path) -> dict[str, NDArray]:
     """Columns of a history by their first word; none without a history."""
     if not path.is_file():
         return {}
