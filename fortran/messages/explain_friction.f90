@@ -34,10 +34,11 @@ contains
       call add_explanation(list, 'W0326', 'points jammed under a bound that rises steeply', &
          & 'A bound of friction that is a stress (TRESCA, CRISTESCU, NORTON-HOFF) rises as 10 '// &
          & 'p until it is reached, which is a coefficient of 10 under less pressure. A point '// &
-         & 'of a sheet that such a coefficient holds may have no equilibrium near the last '// &
-         & 'one. Where no increment went on, the bound of that pair rises half as steeply, '// &
-         & 'and half again if need be, to the end of the step. The message has the slope, and '// &
-         & 'the largest share of all bounds that was left out so (ramp in the certificate).', &
+         & 'that such a coefficient holds may have no equilibrium near the last one. Points '// &
+         & 'that Newton came back to again and again, and whole pairs where no increment went '// &
+         & 'on, have a bound that rises half as steeply, and half again if need be, to the '// &
+         & 'end of the step. The message has the least slope, and the largest share of all '// &
+         & 'bounds that was left out so (ramp in the certificate).', &
          & 'COULOMB-OROWAN, whose slope is yours; a law that allows more shear than there is '// &
          & 'pressure is seldom meant.')
       call add_explanation(list, 'W0508', 'a body would yield', &

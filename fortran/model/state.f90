@@ -83,8 +83,8 @@ module lopin_state
       integer, allocatable :: facet(:)         !! (n) kept beyond its end; 0: the nearest
       type(search_state_type) :: search
       logical, allocatable :: held(:)          !! (npair) has closed points
-      real(wp), allocatable :: eased(:)        !! (npair) friction_type%eased; none: all are 1
-      real(wp), allocatable :: steepest(:)     !! (npair) what that goes back to
+      real(wp), allocatable :: eased(:)        !! (n) condition_type%eased; none: all are 1
+      real(wp), allocatable :: steepest(:)     !! (n) what that goes back to
       ! of both paths: penalties that were chosen
       real(wp) :: stiffer = 1.0_wp             !! slopes now, beside those first chosen
       integer :: raised = 0                    !! times they were raised; most_raises: no more

@@ -23,7 +23,7 @@ module lopin_checkpoint_file
    public :: checkpoint_file_type, new_checkpoint_file
 
    !> The number tells layouts of one version apart.
-   character(len=*), parameter :: mark = 'Lopin checkpoint 15', newline = achar(10)
+   character(len=*), parameter :: mark = 'Lopin checkpoint 16', newline = achar(10)
    integer, parameter :: nline = 6
    real(wp), parameter :: between = 1.0_wp      !! waits for the disk, at least [s]
    real(wp), parameter :: share = 0.05_wp       !! of the time that goes by in waiting, at most

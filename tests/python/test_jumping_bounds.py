@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from lopin import Deck, NotConvergedError, mesh_make
+from lopin.atlas.forming_scenes import air_bend
 from pressed_block import block, step
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]/"decks"/"make"))
@@ -86,3 +87,14 @@ def test_a_sheet_that_jams_goes_on_under_a_bound_that_rises_less_steeply(solve):
     said, = [d["message"] for d in result.diagnostics if d["code"] == "W0326"]
     slope = float(re.search(r"rises at most as ([\d.]+) p", said)[1])
     assert 0.6 < slope <= 5.0 and 100.0*result.summary["certificate"]["ramp"] < 100.0
+
+
+def test_points_that_jam_are_eased_by_themselves(solve):
+    """A sheet bent over radii of dies: Newton goes on in the increment, and no attempt is made for the whole pair."""
+    text = air_bend("CPE4I", 1.0, 0.0, friction=("*FRICTION, LAW=TRESCA", "0.3,"))[0].deck().text()
+    result = solve(Deck.parse(text[:text.rindex("*STEP")], "bent"))
+    assert result.history["time"][-1] == pytest.approx(1.0)
+    log = next(result.source.folder.glob("*.cvg")).read_text()
+    assert "points that jam: 1, whose bounds" in log
+    assert "with bounds of friction that rise less steeply" not in log
+    assert {"W0326", "W0327"} <= {d["code"] for d in result.diagnostics}

@@ -89,7 +89,6 @@ module lopin_friction
       real(wp) :: q = 0.0_wp                   !! Norton-Hoff exponent, 0..1 [-]
       real(wp) :: tau_max = huge(1.0_wp)       !! TAUMAX [stress]
       real(wp) :: rise = steepest              !! of a bound that is a stress, with p [-]
-      real(wp) :: eased = 1.0_wp               !! share of that where points would jam [-]
       real(wp) :: elastic_slip = 0.0_wp        !! ELASTIC SLIP or u0 [length]; 0: not given
       real(wp) :: slip_tolerance = 0.0_wp      !! of the facet size; 0: not given [-]
       real(wp) :: v0 = 0.0_wp                  !! V0 of the regularisation [length/time]; 0: by slip
@@ -109,6 +108,7 @@ module lopin_friction
       logical :: held = .false.    !! bilateral: a rough surface sticks under tension too
       real(wp) :: growth = 1.0_wp  !! area now over the area that tractions count on; bounds of
                                    !! shear are stresses on the area now [-]
+      real(wp) :: eased = 1.0_wp   !! share of friction_type%rise where the point would jam [-]
    end type condition_type
 
    abstract interface
@@ -267,8 +267,8 @@ contains
       if (law%rough .and. (p > 0.0_wp .or. at%held)) radius = huge(1.0_wp)
       if (law%rough .or. .not. p > 0.0_wp) return
       call whole_bound(law, p, at, radius, slope)
-      if (.not. jumps_at_touch(law) .or. radius <= law%eased*law%rise*p) return
-      slope = law%eased*law%rise
+      if (.not. jumps_at_touch(law) .or. radius <= at%eased*law%rise*p) return
+      slope = at%eased*law%rise
       radius = slope*p
    end subroutine friction_radius
 
@@ -355,7 +355,7 @@ contains
       ! A rise that the deck gives is the law.
       lost = whole
       if (law%rise < steepest) lost = min(whole, law%rise*p)
-      lost = max(lost - law%eased*law%rise*p, 0.0_wp)
+      lost = max(lost - at%eased*law%rise*p, 0.0_wp)
    end subroutine lost_at_touch
 
    !> m sigma_y / sqrt 3; no bound where the yield stress is unknown.

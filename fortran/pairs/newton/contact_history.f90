@@ -99,7 +99,8 @@ contains
             & .and. model%interaction(model%pair(self%pair(i))%interaction)%no_separation
          self%bilateral(i) = g%bilateral .or. g%tied
          g%yield = self%yield(i)
-         call remember_elastic(g, self%friction(self%pair(i)), self%opposite(i)%normal)
+         call remember_elastic(g, self%friction(self%pair(i)), self%opposite(i)%normal, &
+            & self%eased(i))
       end associate
    end subroutine start_point
 

@@ -199,17 +199,18 @@ contains
    end subroutine choose_stick
 
    !> The elastic slip that the committed traction holds.
-   pure subroutine remember_elastic(enforcement, friction, normal)
+   pure subroutine remember_elastic(enforcement, friction, normal, eased)
       type(enforcement_parameters_type), intent(inout) :: enforcement
       type(friction_type), intent(in) :: friction
       real(wp), intent(in) :: normal(3)
+      real(wp), intent(in) :: eased            !! condition_type%eased [-]
       real(wp) :: p, radius, slope
 
       enforcement%elastic = 0.0_wp
       if (.not. enforcement%elastic_slip > 0.0_wp) return
       p = dot_product(enforcement%committed, normal)
       call friction_radius(friction, p, condition_type(held=enforcement%bilateral, &
-         & yield=enforcement%yield), radius, slope)
+         & yield=enforcement%yield, eased=eased), radius, slope)
       if (.not. radius > 0.0_wp .or. .not. radius < huge(1.0_wp)) return
       enforcement%elastic = -enforcement%elastic_slip/radius*(enforcement%committed - p*normal)
    end subroutine remember_elastic

@@ -71,6 +71,7 @@ module lopin_nonlinear_contact
       logical, allocatable :: follows(:)       !! (npair) bounds follow the stress of solids
       logical :: stretches = .true.            !! areas follow the motion: NLGEOM
       real(wp), allocatable :: speed(:)        !! (n) of slip, of the last iteration [length/time]
+      real(wp), allocatable :: eased(:)        !! (n) condition_type%eased of points [-]
       ! inside
       real(wp) :: dt = 1.0_wp
       real(wp), allocatable :: first_weight(:) !! (n) areas at the start [area]
@@ -123,7 +124,7 @@ contains
       type(dofs_type), intent(in) :: dofs
       type(log_type), intent(inout) :: log
       type(error_type), allocatable, intent(out) :: error
-      integer :: i, n, pair
+      integer :: n, pair
 
       call new_nonlinear_points(self%nonlinear_points_type, model, log, error)
       if (allocated(error)) return
@@ -145,6 +146,7 @@ contains
          & self%traction(3, n), self%normal(3, n), self%xi(2, n), self%start_normal(3, n), &
          & self%c(n), self%ct(n), self%mises(n), self%speed(n), self%start_gap(n), self%touch(n), &
          & source=0.0_wp)
+      allocate (self%eased(n), source=1.0_wp)
       allocate (self%facet(n), self%status(n), self%first_row(n), self%piece(n), source=0)
       allocate (self%pressing(model%mesh%nnode), source=0)
       allocate (self%bilateral(n), self%loose(n), self%idle(n), self%waits(n), &
@@ -161,22 +163,31 @@ contains
             & model, pair, self%masters%of(pair)%slave, self%masters%rules, &
             & findloc(self%pair, pair, dim=1), is_moved(self%shift, self%size))
       end do
-      do i = 1, n
+      call number_rows(self, model%mesh%ndim)
+      call keep_slopes(self, model)
+      call find_before(self, model)
+   end subroutine new_nonlinear_contact
+
+   !> Slopes of the points, and rows of those whose method solves for a traction.
+   subroutine number_rows(self, ndim)
+      type(nonlinear_contact_type), intent(inout) :: self
+      integer, intent(in) :: ndim
+      integer :: i
+
+      do i = 1, self%n
          self%c(i) = self%enforcement(i)%c
          self%ct(i) = self%enforcement(i)%ct
          if (.not. self%enforcement(i)%method%solves_for_multiplier()) cycle
          self%first_row(i) = self%nmultiplier + 1
-         self%nmultiplier = self%nmultiplier + model%mesh%ndim
+         self%nmultiplier = self%nmultiplier + ndim
       end do
-      call keep_slopes(self, model)
-      call find_before(self, model)
       allocate (self%row(self%nmultiplier), source=0.0_wp)
       allocate (self%point_of_row(self%nmultiplier))
-      do i = 1, n
-         if (self%first_row(i) > 0) self%point_of_row(self%first_row(i): &
-            & self%first_row(i) + model%mesh%ndim - 1) = i
+      do i = 1, self%n
+         if (self%first_row(i) > 0) self%point_of_row(self%first_row(i):self%first_row(i) + ndim &
+            & - 1) = i
       end do
-   end subroutine new_nonlinear_contact
+   end subroutine number_rows
 
    !> The points of a pair whose behaviour changes go on from those of the same nodes before.
    subroutine find_before(self, model)

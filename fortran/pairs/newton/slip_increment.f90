@@ -27,7 +27,7 @@ contains
       at = condition_type(yield=self%yield(i), mises=self%mises(i), &
          & dt=time_of_slip(self, i), &
          & speed=self%speed(i), of_trial=self%speed_of_trial, &
-         & held=self%enforcement(i)%bilateral, growth=self%growth(i)%ratio)
+         & held=self%enforcement(i)%bilateral, growth=self%growth(i)%ratio, eased=self%eased(i))
    end function condition_at
 
    !> Time that the slip of the increment took: since the point touched.

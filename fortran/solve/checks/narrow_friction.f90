@@ -10,7 +10,7 @@ module lopin_narrow_friction
    use lopin_text, only : to_text
    use lopin_vectors, only : cross
    use lopin_stream, only : stream_type
-   use lopin_friction, only : has_friction, friction_radius
+   use lopin_friction, only : has_friction, jumps_at_touch, friction_radius
    use lopin_model, only : model_type
    use lopin_slip_increment, only : condition_at, dissipated
    use lopin_scene, only : scene_type
@@ -68,7 +68,7 @@ contains
    pure real(wp) function by_area(scene, i) result(work)
       type(scene_type), intent(in) :: scene
       integer, intent(in) :: i
-      real(wp) :: bound, slope
+      real(wp) :: bound, slope, followed       !! share of the bound that follows the pressure [-]
 
       work = 0.0_wp
       associate (c => scene%newton%contact)
@@ -77,8 +77,12 @@ contains
          call friction_radius(c%friction(c%pair(i)), c%pressure(i), condition_at(c, i), bound, &
             & slope)
          if (.not. (bound > 0.0_wp .and. bound < huge(1.0_wp))) return
-         if (slope*c%pressure(i) > (1.0_wp - rounding)*bound) return
-         work = max(0.0_wp, dissipated(c, i)*c%weight(i)*(1.0_wp - slope*c%pressure(i)/bound))
+         followed = slope*c%pressure(i)/bound
+         ! A bound that still rises from nothing is steeper than any metal that touches in full.
+         if (jumps_at_touch(c%friction(c%pair(i))) .and. followed > 1.0_wp - rounding) &
+            & followed = 0.0_wp
+         if (followed > 1.0_wp - rounding) return
+         work = max(0.0_wp, dissipated(c, i)*c%weight(i)*(1.0_wp - followed))
       end associate
    end function by_area
 

@@ -5,8 +5,10 @@
 !> face as its pressure bears has an equilibrium nearby only while that coefficient is below the
 !> ratio S_nn/|S_nt| of its compliances: in a sheet of thickness t with facets h that is about
 !> 2 h/t. Beyond, sticking asks for more shear than the bound, and sliding presses less than it
-!> needs. There the bound rises half as steeply, and half again, down to a coefficient that dry
-!> metals have. What it lacks is part of `ramp` in the certificate, as everywhere.
+!> needs: Newton goes to and fro between both. There the bound rises half as steeply, and half
+!> again, down to a coefficient that dry metals have: of the one point that Newton has come back to
+!> so often, and of whole pairs where it ends without that. What it lacks is part of `ramp` in the
+!> certificate, as everywhere.
 module lopin_eased_friction
    use lopin_kinds, only : wp
    use lopin_text, only : to_text
@@ -20,7 +22,8 @@ module lopin_eased_friction
    use lopin_scene, only : scene_type
    implicit none
    private
-   public :: ease_jammed, forget_eased, steepen_eased, apply_eased, tell_eased
+   public :: jams_type, ease_jammed, ease_returning, forget_eased, steepen_eased, apply_eased, &
+      & tell_eased
 
    !> How much less steeply each time, and the least slope.
    real(wp), parameter :: less = 0.5_wp, gentlest = 0.6_wp
@@ -28,6 +31,17 @@ module lopin_eased_friction
    real(wp), parameter :: near = 0.9_wp
    !> And this share of the pressure is a little less.
    real(wp), parameter :: little = 0.5_wp
+   !> Returns of a point to what it was before, in one Newton, after which it jams.
+   integer, parameter :: most_returns = 3
+   !> Sliding under a bound that still rises, beside open (0), sticking (1) and sliding (2).
+   integer, parameter :: rising = 3
+
+   !> Where points have been in the iterations of one Newton.
+   type :: jams_type
+      private
+      integer, allocatable :: last(:), before(:)   !! (n) open, sticking, sliding, `rising`
+      integer, allocatable :: returns(:)           !! (n) to what they were before
+   end type jams_type
 
 contains
 
@@ -43,41 +57,99 @@ contains
          do i = 1, c%n
             if (may_jam(c, i)) jammed(c%pair(i)) = .true.
          end do
-         where (less*c%friction%eased*c%friction%rise < gentlest) jammed = .false.
-         jams = any(jammed)
-         if (.not. jams) return
-         associate (state => scene%trial%contact)
-            if (.not. allocated(state%eased)) allocate (state%eased(size(jammed)), &
-               & state%steepest(size(jammed)), source=1.0_wp)
-            if (allocated(scene%accepted%contact%eased)) then
-               where (jammed) state%steepest = less*scene%accepted%contact%eased
-            else
-               where (jammed) state%steepest = less
-            end if
-            where (jammed) state%eased = less*state%eased
-         end associate
+         call ease(scene, [(jammed(c%pair(i)), i=1, c%n)], jams)
       end associate
    end subroutine ease_jammed
+
+   !> Half the slope of the points that jam at this trial and have come back to it again and again.
+   subroutine ease_returning(self, scene, eased)
+      type(jams_type), intent(inout) :: self
+      type(scene_type), intent(inout) :: scene
+      integer, intent(out) :: eased            !! how many
+      logical, allocatable :: which(:)
+      logical :: jams
+      integer :: i, now
+
+      eased = 0
+      associate (c => scene%newton%contact)
+         if (.not. allocated(c%friction)) return
+         if (.not. any(has_friction(c%friction) .and. jumps_at_touch(c%friction))) return
+         if (.not. allocated(self%last)) allocate (self%last(c%n), self%before(c%n), &
+            & self%returns(c%n), source=0)
+         allocate (which(c%n), source=.false.)
+         do i = 1, c%n
+            now = c%status(i)
+            if (now == 2) then
+               if (lacks_bound(c, i, 1.0_wp)) now = rising
+            end if
+            if (now == self%last(i)) cycle
+            if (now == self%before(i)) self%returns(i) = self%returns(i) + 1
+            self%before(i) = self%last(i)
+            self%last(i) = now
+            if (self%returns(i) < most_returns) cycle
+            which(i) = may_jam(c, i)
+         end do
+         if (.not. any(which)) return
+         call ease(scene, which, jams)
+         call apply_eased(scene)
+         if (jams) eased = count(which)
+         where (which) self%returns = 0
+      end associate
+   end subroutine ease_returning
+
+   !> Half the slope of some points; `jams` if any is left to be halved.
+   subroutine ease(scene, which, jams)
+      type(scene_type), intent(inout) :: scene
+      logical, intent(in) :: which(:)          !! (n)
+      logical, intent(out) :: jams
+      logical :: halved(size(which))
+
+      associate (c => scene%newton%contact, state => scene%trial%contact)
+         halved = which
+         where (less*c%eased*c%friction(c%pair(:c%n))%rise < gentlest) halved = .false.
+         jams = any(halved)
+         if (.not. jams) return
+         if (.not. allocated(state%eased)) allocate (state%eased(size(which)), &
+            & state%steepest(size(which)), source=1.0_wp)
+         if (allocated(scene%accepted%contact%eased)) then
+            where (halved) state%steepest = less*scene%accepted%contact%eased
+         else
+            where (halved) state%steepest = less
+         end if
+         where (halved) state%eased = less*state%eased
+      end associate
+   end subroutine ease
 
    !> A closed point is held by a bound that still rises, or did at a little less pressure.
    pure logical function may_jam(contact, i)
       type(nonlinear_contact_type), intent(in) :: contact
       integer, intent(in) :: i
-      type(condition_type) :: at
-      real(wp) :: lost, whole, along(3)
+      real(wp) :: along(3)
 
       may_jam = .false.
       if (contact%status(i) == 0) return
-      associate (law => contact%friction(contact%pair(i)), n => contact%normal(:, i))
+      if (.not. lacks_bound(contact, i, little)) return
+      along = contact%traction(:, i) - contact%pressure(i)*contact%normal(:, i)
+      may_jam = norm2(along) > near*shear_bound(contact, i)
+   end function may_jam
+
+   !> The bound of a point still rises under this share of its pressure.
+   pure logical function lacks_bound(contact, i, share)
+      type(nonlinear_contact_type), intent(in) :: contact
+      integer, intent(in) :: i
+      real(wp), intent(in) :: share            !! of the pressure [-]
+      type(condition_type) :: at
+      real(wp) :: lost, whole
+
+      lacks_bound = .false.
+      associate (law => contact%friction(contact%pair(i)))
          if (.not. (has_friction(law) .and. jumps_at_touch(law))) return
          at = condition_at(contact, i)
          at%speed = speed_of(contact, i)
-         call lost_at_touch(law, little*contact%pressure(i), at, lost, whole)
-         if (.not. lost > 0.0_wp) return
-         along = contact%traction(:, i) - contact%pressure(i)*n
-         may_jam = norm2(along) > near*shear_bound(contact, i)
+         call lost_at_touch(law, share*contact%pressure(i), at, lost, whole)
+         lacks_bound = lost > 0.0_wp
       end associate
-   end function may_jam
+   end function lacks_bound
 
    !> Back to what the accepted state has.
    subroutine forget_eased(scene)
@@ -99,13 +171,12 @@ contains
       state%eased = min(state%steepest, state%eased/less)
    end subroutine steepen_eased
 
-   !> The laws in force have the slopes of the trial state.
+   !> Points have the slopes of the trial state.
    subroutine apply_eased(scene)
       type(scene_type), intent(inout) :: scene
 
-      if (.not. allocated(scene%newton%contact%friction)) return
-      scene%newton%contact%friction%eased = 1.0_wp
-      if (allocated(scene%trial%contact%eased)) scene%newton%contact%friction%eased = &
+      scene%newton%contact%eased = 1.0_wp
+      if (allocated(scene%trial%contact%eased)) scene%newton%contact%eased = &
          & scene%trial%contact%eased
    end subroutine apply_eased
 
@@ -115,19 +186,20 @@ contains
       type(model_type), intent(in) :: model
       real(wp), intent(in) :: most             !! largest `ramp` of its increments [-]
       character(len=:), allocatable :: which
-      integer :: pair
+      integer :: point, pair
 
       if (.not. allocated(scene%accepted%contact%eased)) return
-      pair = minloc(scene%accepted%contact%steepest, dim=1)
-      associate (eased => scene%accepted%contact%steepest, p => model%pair(pair), &
+      point = minloc(scene%accepted%contact%steepest, dim=1)
+      pair = scene%newton%contact%pair(point)
+      associate (eased => scene%accepted%contact%steepest(point), p => model%pair(pair), &
          & friction => scene%newton%contact%friction)
-         if (.not. eased(pair) < 1.0_wp) return
+         if (.not. eased < 1.0_wp) return
          which = 'the bound of friction'
          if (friction(pair)%law >= law_of%coulomb .and. friction(pair)%law <= size(law_names)) &
             & which = 'the bound of '//trim(law_names(friction(pair)%law))
          call warn_once(scene%log, 'W0326', 'step '//to_text(scene%step)//': points of pair ('// &
             & model%surface(p%slave)%name//', '//model%surface(p%master)%name//') jammed; '// &
-            & which//' rises at most as '//to_text(eased(pair)*friction(pair)%rise, 2)// &
+            & which//' rises at most as '//to_text(eased*friction(pair)%rise, 2)// &
             & ' p there, and up to '//to_text(100.0_wp*most, 2)//' % of what it allows was '// &
             & 'left out', friction(pair)%at, &
             & help='COULOMB-OROWAN has a slope of your own, and sheets have it')

@@ -1,10 +1,11 @@
 !> What a failed attempt at an increment shows of its cause.
 module lopin_failed_attempt
    use lopin_kinds, only : wp
+   use lopin_model, only : model_type
    use lopin_scene, only : scene_type
    implicit none
    private
-   public :: turns_back, runs_round
+   public :: turns_back, runs_round, cycles_when_small
 
    !> Attempts at an increment, each smaller, after which a turn of the path is likelier than a step
    !> that is too large.
@@ -38,4 +39,16 @@ contains
          if (size(history) >= few) runs_round = maxval(history(size(history) - few + 1:)) < near
       end associate
    end function runs_round
+
+   !> Newton runs in a cycle in an increment that is small beside those before, or beside the first
+   !> of the step: each of them would be cut once, and the next.
+   pure logical function cycles_when_small(scene, model)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+
+      associate (step => model%step(scene%step))
+         cycles_when_small = scene%newton%cycled .and. scene%newton%dt &
+            & < small*max(scene%accepted%clock%usual, min(step%initial, step%period))
+      end associate
+   end function cycles_when_small
 end module lopin_failed_attempt

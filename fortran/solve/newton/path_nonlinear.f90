@@ -31,7 +31,7 @@ module lopin_path_nonlinear
    use lopin_followed_stress, only : choose_followers
    use lopin_eased_friction, only : ease_jammed, forget_eased, apply_eased
    use lopin_pseudo_transient, only : pseudo_transient
-   use lopin_failed_attempt, only : turns_back, runs_round
+   use lopin_failed_attempt, only : turns_back, runs_round, cycles_when_small
    use lopin_scene, only : scene_type
    implicit none
    private
@@ -178,7 +178,8 @@ contains
       type(iterate_type) :: iterate
 
       if (error%code /= error_code%not_converged .or. .not. reads_trial(scene)) return
-      if (scene%newton%attempt < lagged_after .and. .not. model%step(scene%step)%direct) return
+      if (scene%newton%attempt < lagged_after .and. .not. (model%step(scene%step)%direct &
+         & .or. cycles_when_small(scene, model))) return
       scene%newton%contact%speed_of_trial = .false.
       call add_line(scene%newton, '  with the speed of slip of the last iteration')
       call start_from_accepted(scene, iterate)

@@ -3,9 +3,8 @@
 !> solve, take the step that a non-monotone line search allows.
 module lopin_semismooth_newton
    use lopin_kinds, only : wp
-   use lopin_error, only : error_type, error_code, raise
+   use lopin_error, only : error_type
    use lopin_interrupt, only : answer_interrupt
-   use lopin_vectors, only : largest
    use lopin_text, only : to_text
    use lopin_model, only : model_type
    use lopin_constraints, only : expand
@@ -18,7 +17,6 @@ module lopin_semismooth_newton
    use lopin_newton_step, only : some_body_falls, find_step
    use lopin_line_search, only : search_type, take_step, refuse_inverted
    use lopin_contraction, only : by_old_tangent, evaluate_without_tangent, note_step, gets_nowhere
-   use lopin_check_mesh, only : folding_at
    use lopin_awaited_touch, only : awaited_type, note_slides, await_touch, go_on_waiting
    use lopin_lagged_friction, only : reads_lagged, renew_lagged, share_of_new, may_relax
    use lopin_free_body, only : raise_free_body
@@ -26,8 +24,8 @@ module lopin_semismooth_newton
    use lopin_held_tools, only : start_motion
    use lopin_scene, only : scene_type
    use lopin_tell_watcher, only : tell_of_iteration
-   use lopin_worst_residual, only : describe_worst
-   use lopin_held_points, only : name_held_point
+   use lopin_newton_report, only : log_iteration, raise_not_converged
+   use lopin_eased_friction, only : jams_type, ease_returning
    implicit none
    private
    public :: solve_newton
@@ -49,6 +47,7 @@ module lopin_semismooth_newton
       type(evaluation_type) :: evaluation      !! where it stands
       type(search_type) :: search              !! to there
       type(awaited_type) :: awaited            !! points that do not close yet
+      type(jams_type) :: jams                  !! points that come back to what they were
       integer :: loop = 0                      !! augmentations so far
       logical :: guessed = .false.             !! it started from a guess
       logical :: lagged = .false.              !! laws read what the last iteration found
@@ -282,13 +281,14 @@ contains
       call end_iteration(it, scene, model, simplified, error)
    end subroutine correct
 
-   !> What laws read of the last iteration, and the line of the log.
+   !> What laws read of the last iteration, points that jam, and the line of the log.
    subroutine end_iteration(it, scene, model, simplified, error)
       type(iteration_type), intent(inout) :: it
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       logical, intent(in) :: simplified        !! the step was by the last tangent
       type(error_type), allocatable, intent(out) :: error
+      integer :: eased
 
       if (it%lagged) then
          call renew_lagged(scene, share_of_new(scene%newton%history))
@@ -296,29 +296,27 @@ contains
          if (allocated(error)) return
       end if
       call log_iteration(scene, it%evaluation, it%number, it%last, it%search%share, simplified)
+      call ease_returning(it%jams, scene, eased)
+      if (eased > 0) call go_on_eased(it, scene, model, eased, error)
+      if (allocated(error)) return
       call tell_of_iteration(scene, model)
       it%remaining = 0.0_wp
    end subroutine end_iteration
 
-   !> Newton has not ended; where the mesh folds is said, for that is why.
-   subroutine raise_not_converged(scene, model, evaluation, before, error)
-      type(scene_type), intent(in) :: scene
+   !> Bounds have changed: what was met and reached before says nothing of them.
+   subroutine go_on_eased(it, scene, model, eased, error)
+      type(iteration_type), intent(inout) :: it
+      type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
-      type(evaluation_type), intent(in) :: evaluation
-      integer, intent(in) :: before(:)         !! (points) status before the last iteration
+      integer, intent(in) :: eased             !! points
       type(error_type), allocatable, intent(out) :: error
-      character(len=:), allocatable :: fold
 
-      fold = folding_at(scene, model, scene%accepted%motion%u)
-      if (len(fold) > 0) fold = '; '//fold
-      call raise(error, error_code%not_converged, 'E0510', 'Newton has not converged in '// &
-         & to_text(scene%newton%iterations)//' iterations: residual '// &
-         & to_text(relative(evaluation, reference_of(scene, evaluation)), 3)// &
-         & ' of the largest force'//describe_worst(scene, model, evaluation, before)//fold, &
-         & model%step(scene%step)%at, help='smaller increments on *STATIC'// &
-         & trim(merge(', and a mesh that bears the strain', repeat(' ', 34), len(fold) > 0)))
-      call name_held_point(scene, model, error)
-   end subroutine raise_not_converged
+      call add_line(scene%newton, '  points that jam: '//to_text(eased)//', whose bounds of '// &
+         & 'friction rise less steeply')
+      it%stale = 0
+      scene%newton%history = [real(wp) ::]
+      call evaluate(scene, model, it%search%load, .true., it%evaluation, error)
+   end subroutine go_on_eased
 
    !> A tool that leaves goes first, and the body springs back: contact that is about to open would
    !> drag a solid that flows along until it flows the other way.
@@ -365,27 +363,4 @@ contains
          hash = ieor(ishftc(hash, 5), 31*status(i) + i)
       end do
    end function hash_of
-
-   !> One line of the log: the three numbers, the share of the step taken, the points, GMRES.
-   subroutine log_iteration(scene, evaluation, iteration, last, share, simplified)
-      type(scene_type), intent(inout) :: scene
-      type(evaluation_type), intent(in) :: evaluation
-      integer, intent(in) :: iteration
-      real(wp), intent(in) :: last, share
-      logical, intent(in) :: simplified        !! by the tangent of the step before
-      character(len=100) :: text
-      real(wp), parameter :: shown(2) = [1.0e-99_wp, 9.0e99_wp]   ! two digits of exponent
-      real(wp) :: reference, size(3)
-
-      reference = max(reference_of(scene, evaluation), tiny(1.0_wp))
-      size = [largest(evaluation%unlevel)/reference, largest(evaluation%row)/reference, last]
-      size = merge(min(size, shown(2)), 0.0_wp, size >= shown(1))
-      associate (c => scene%newton%contact)
-         write (text, '(i4,3(1x,es12.4),1x,f8.5,3(1x,i6),1x,i6,1x,a)') iteration, size, share, &
-            & count(c%status(:c%n) == 0), count(c%status(:c%n) == 1), &
-            & count(c%status(:c%n) == 2), scene%newton%system%krylov%last, &
-            & trim(merge('   old', '      ', simplified))
-      end associate
-      call add_line(scene%newton, text)
-   end subroutine log_iteration
 end module lopin_semismooth_newton
