@@ -246,9 +246,12 @@ contains
       call add_explanation(list, 'W0568', 'springs of contact give way beside the bodies', &
          & 'A stiffness that was chosen (N0317) keeps pressures right. Where loads are given '// &
          & 'and bodies are thin, their springs may give way as the bodies do: two sheets a '// &
-         & 'tenth of a facet thick were pressed together by 41 % too far. The energy of the '// &
-         & 'springs beside that of the bodies is the share of the displacements.', &
-         & 'DIRECT or AUGMENTED LAGRANGE, or a stiffness of your own behind PENALTY.')
+         & 'tenth of a facet thick were pressed together by 41 % too far. Friction that sticks '// &
+         & 'by an elastic slip of half a percent of a facet (N0520) turns round with the '// &
+         & 'springs. The energy that springs take up in a step beside that of the bodies is '// &
+         & 'their share of the displacements.', &
+         & 'DIRECT or AUGMENTED LAGRANGE, or a stiffness of your own behind PENALTY and '// &
+         & 'ELASTIC SLIP= on *FRICTION.')
       call add_explanation(list, 'W0343', 'a tool moves away', &
          & 'Every step moves the tool away from the slave of its pair, and nothing else moves '// &
          & 'or is loaded: the pair can press nothing.', &

@@ -125,7 +125,7 @@ def test_what_springs_give_way_under_loads_is_told(go, behavior, nlgeom, thin):
         text = text.replace(f"*BOUNDARY\nTOP, 2, 2, {-0.01*thin*2!r}",
                             f"*CLOAD\n{left}, 2, -.5\n{middle}, 2, -1.\n{right}, 2, -.5")
         r = go(text)
-        told = re.findall(r"W0568.*hold ([\d.e+-]+) %", r.output)
+        told = re.findall(r"W0568.*took up ([\d.e+-]+) %", r.output)
         return -r.field("U")[:, 1].min(), [float(share) for share in told[:1]]
 
     (soft, told), (right, none) = lowered(behavior), lowered("DIRECT")

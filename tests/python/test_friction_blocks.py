@@ -1,8 +1,10 @@
 """Friction of elastic bodies: Cattaneo, the plate of SSNV128, blocks that stick and slide."""
+import re
+
 import lopin
 import numpy as np
 import pytest
-
+from pressed_block import block, step
 
 
 def field(result, index=-1):
@@ -355,3 +357,23 @@ def test_perturbed_is_penalty(solve):
                 for word in ("PENALTY", "PERTURBED LAGRANGE"))
     for name in ("FLOOR.rf1", "energy.strain", "energy.friction", "SOLE-FLOOR.max_pressure"):
         assert one[name] == pytest.approx(two[name], rel=1e-11, abs=1e-12)
+
+
+@pytest.mark.parametrize("leg", [0.05, 0.1, 1.0])
+@pytest.mark.parametrize("nlgeom", ["", ", NLGEOM"])
+@pytest.mark.parametrize("side", [10.0, 0.01])
+def test_friction_that_turns_round_late_by_its_elastic_slip_is_told(solve, leg, nlgeom, side):
+    """Pressed, dragged and drawn back by a part of the way that turns it, with a penalty: where springs take up a share of what the
+    body does, which the deck left open, they are told; on the nonlinear path they are stiffer, and it is right."""
+    way, pressed = 0.01*side, f"9001, 2, 2, {-0.01*side!r}"
+    steps = "".join(step(f"*BOUNDARY\n9001, 1, 1, {u!r}\n{pressed}", static, words=nlgeom) for u, static in (
+        (0.0, "1., 1."), (way, "0.1, 1."), (way*(1.0 - leg), "0.1, 1.")))
+    turned, told = {}, []
+    for method in ("DIRECT", "PENALTY"):
+        result = solve(block(steps, side=side, behaviour=f"*SURFACE BEHAVIOR, {method}"))
+        told = [re.search(r"took up ([\d.]+) %", d["message"]) for d in result.diagnostics if d["code"] == "W0568"]
+        history = result.history
+        turned[method] = history["TOOL.rf1"][-1] - history["TOOL.rf1"][list(history["time"]).index(2.0)]
+    off = abs(turned["PENALTY"]/turned["DIRECT"] - 1.0)
+    assert bool(told) == (not nlgeom)
+    assert off < 0.01 if nlgeom else float(told[-1][1]) == pytest.approx(100.0*max(off, 0.1), abs=5.0)

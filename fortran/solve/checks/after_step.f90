@@ -6,7 +6,7 @@ module lopin_after_step
    use lopin_stream, only : stream_type
    use lopin_model, only : model_type
    use lopin_methods, only : has_law
-   use lopin_friction, only : has_friction
+   use lopin_raise_penalty, only : chooses_elastic_slip
    use lopin_scene, only : scene_type
    use lopin_present_gaps, only : gap_of
    use lopin_repeated_messages, only : warn_once
@@ -266,12 +266,7 @@ contains
 
       if (scene%newton%in_use .or. .not. allocated(scene%trial%friction%path)) return
       do pair = 1, size(model%pair)
-         associate (way => model%interaction(model%pair(pair)%interaction))
-            if (way%method%is_exact()) cycle
-            if (.not. has_friction(way%friction) .or. way%friction%exact_stick) cycle
-            if (way%friction%elastic_slip + way%friction%slip_tolerance &
-               & + way%friction%stick_slope > 0.0_wp) cycle
-         end associate
+         if (.not. chooses_elastic_slip(model%interaction(model%pair(pair)%interaction))) cycle
          facet = 0.0_wp
          do point = scene%points%first(pair), scene%points%first(pair + 1) - 1
             facet = max(facet, scene%points%size(point))

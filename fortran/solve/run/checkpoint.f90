@@ -117,6 +117,7 @@ contains
       call self%springback%keep(stream)
       call self%ripples%keep(stream)
       call self%sag%keep(stream)
+      call self%springs%keep(stream)
       call self%needless%keep(stream)
       call self%checksum%keep(stream)
    end subroutine pass_watch

@@ -6,7 +6,7 @@ module lopin_end_of_step
    use lopin_run_type, only : watch_type
    use lopin_after_step, only : check_step
    use lopin_driven_flow, only : tell_driven
-   use lopin_soft_springs, only : check_soft_springs
+   use lopin_soft_springs, only : tell_springs
    use lopin_coarse_faces, only : check_coarse_faces
    use lopin_mesh_work, only : check_mesh_work
    use lopin_unresolved_contact, only : check_unresolved_contact
@@ -33,7 +33,7 @@ contains
       associate (energy => frame%energy, taken => frame%energy%strain + frame%energy%plastic)
          call check_step(scene, model, watch%seen, frame%certificate%rubs%ramp, energy%most, taken)
          call tell_driven(scene, model)
-         call check_soft_springs(scene, model, energy)
+         call tell_springs(watch%springs, scene, model, energy)
          call check_unresolved_contact(scene, model, watch%artificial%pressed, taken)
          call check_mesh_work(scene, model, frame%u, taken, energy%plastic, energy%most)
          call check_coarse_faces(scene, model, energy%most)

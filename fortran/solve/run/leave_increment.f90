@@ -17,6 +17,7 @@ module lopin_leave_increment
    use lopin_springback, only : note_falls
    use lopin_force_ripples, only : note_ripples
    use lopin_facet_sag, only : note_sag
+   use lopin_soft_springs, only : note_springs
    use lopin_contact_rows, only : joins_pair
    implicit none
    private
@@ -64,6 +65,7 @@ contains
       scene%trial%loads%strain = frame%energy%strain
       if (scene%newton%in_use) call note_energy(watch%balance, scene, frame%energy)
       call note_falls(watch%springback, frame%energy)
+      call note_springs(watch%springs, frame)
       if (scene%newton%in_use) then
          call note_ripples(watch%ripples, scene, model)
          call note_sag(watch%sag, scene, model, frame%increment, frame%step_time)

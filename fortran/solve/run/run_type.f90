@@ -14,6 +14,7 @@ module lopin_run_type
    use lopin_springback, only : springback_type
    use lopin_force_ripples, only : ripples_type
    use lopin_facet_sag, only : sag_type
+   use lopin_soft_springs, only : soft_springs_type
    implicit none
    private
    public :: run_type, watch_type
@@ -28,6 +29,7 @@ module lopin_run_type
       type(springback_type) :: springback      !! work done in a release
       type(ripples_type) :: ripples            !! forces that rise and fall with the facets
       type(sag_type) :: sag                    !! flat facets on curved tools
+      type(soft_springs_type) :: springs       !! of contact that give way beside the bodies
       type(needless_type) :: needless          !! second order that no step called for
       type(checksum_type) :: checksum          !! of the displacements of all nodes so far
    end type watch_type

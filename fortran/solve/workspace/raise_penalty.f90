@@ -5,13 +5,14 @@ module lopin_raise_penalty
    use lopin_kinds, only : wp
    use lopin_error, only : severity
    use lopin_text, only : to_text
-   use lopin_model, only : model_type
+   use lopin_friction, only : has_friction
+   use lopin_model, only : model_type, interaction_type
    use lopin_active_set, only : outcome
    use lopin_state, only : contact_state_type
    use lopin_scene, only : scene_type
    implicit none
    private
-   public :: raising_type, chooses_slope, wants_other_slope, choose_other, report_raised
+   public :: raising_type, chooses_slope, chooses_elastic_slip, wants_other_slope, choose_other, report_raised
 
    !> Times that a run raises them.
    integer, parameter :: most_raises = 20
@@ -50,6 +51,15 @@ contains
          end associate
       end do
    end subroutine chooses_slope
+
+   !> Sticking points give way by what the deck leaves open.
+   elemental logical function chooses_elastic_slip(way)
+      type(interaction_type), intent(in) :: way
+
+      chooses_elastic_slip = .not. way%method%is_exact() .and. has_friction(way%friction) &
+         & .and. .not. (way%friction%exact_stick .or. way%friction%elastic_slip > 0.0_wp &
+         & .or. way%friction%slip_tolerance > 0.0_wp .or. way%friction%stick_slope > 0.0_wp)
+   end function chooses_elastic_slip
 
    !> The linear path is to solve once more, by the slopes that the trial now has.
    logical function wants_other_slope(self, scene, model) result(again)
