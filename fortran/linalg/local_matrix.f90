@@ -40,7 +40,7 @@ module lopin_local_matrix
       real(wp), allocatable :: by_bound(:)     !! slopes of -force and row in the logarithm of the
                                                !! bound; not allocated: it follows none
       integer :: point = 0                     !! contact point whose bound that is
-      integer, allocatable :: read_dof(:)      !! physical dofs, one may stand more than once
+      integer, allocatable :: read_dof(:)      !! physical dofs
       real(wp), allocatable :: read_slope(:)   !! of the logarithm of the bound in these [1/length]
    end type local_matrix_type
 

@@ -22,7 +22,7 @@ module lopin_surface_slopes
    !> A displacement of one dof, beside the size of its element.
    real(wp), parameter :: step = 1.0e-7_wp
 
-   !> Slopes of both stresses of a node by dofs, of which one may stand more than once.
+   !> Slopes of both stresses of a node by dofs.
    type :: slopes_type
       integer :: n = 0
       integer, allocatable :: dof(:)
@@ -33,33 +33,53 @@ contains
 
    !> Slopes at some of the nodes of the stresses that `find_stress` has found at the same
    !> displacements.
-   subroutine find_slopes(self, shape, u, wanted, slopes)
+   subroutine find_slopes(self, shape, u, wanted, reads, slopes)
       type(surface_stress_type), intent(inout) :: self
       type(configuration_type), intent(in) :: shape      !! displaced by u
       real(wp), intent(inout) :: u(:)          !! (n) by equation; comes back as it was [length]
       logical, intent(in) :: wanted(:)         !! (nread)
+      logical, intent(in) :: reads(2)          !! von Mises' stress, that of flow; others are left 0
       type(slopes_type), allocatable, intent(out) :: slopes(:)   !! (nread)
-      integer, allocatable :: node(:)
-      real(wp) :: way
-      type(share_type) :: before
-      integer :: i, j, k
+      type(share_type) :: here
+      integer :: listed(size(u)), i
 
       allocate (slopes(size(self%node)))
       do i = 1, size(self%unit)
-         call read_unit(self, shape, self%unit(i), before)
-         if (.not. any(wanted(before%place))) cycle
+         call read_unit(self, shape, self%unit(i), here)
+         if (.not. any(wanted(here%place))) cycle
          if (has_slopes(shape, self%unit(i))) then
-            call add_unit(self, shape, self%unit(i), pack(before%place, wanted(before%place)), &
+            call add_unit(self, shape, self%unit(i), pack(here%place, wanted(here%place)), reads, &
                & slopes)
-            cycle
+         else
+            call add_differences(self, shape, self%unit(i), u, wanted, reads, slopes)
          end if
-         node = unit_nodes(shape%solids, shape%mesh, self%unit(i))
-         way = step*maxval(maxval(shape%mesh%x(:, node), 2) - minval(shape%mesh%x(:, node), 2))
-         do j = 1, size(node)
-            do k = 1, shape%mesh%ndim
-               if (shape%solids%dof(k, node(j)) > 0) call move(k, node(j), &
-                  & shape%solids%dof(k, node(j)))
-            end do
+      end do
+      listed = 0
+      do i = 1, size(slopes)
+         call sum_by_dof(slopes(i), listed)
+      end do
+   end subroutine find_slopes
+
+   !> Slopes at nodes of an element by the difference that each of its displacements makes.
+   subroutine add_differences(self, shape, e, u, wanted, reads, slopes)
+      type(surface_stress_type), intent(inout) :: self
+      type(configuration_type), intent(in) :: shape
+      integer, intent(in) :: e
+      real(wp), intent(inout) :: u(:)          !! (n) comes back as it was
+      logical, intent(in) :: wanted(:), reads(2)
+      type(slopes_type), intent(inout) :: slopes(:)
+      integer, allocatable :: node(:)
+      type(share_type) :: before
+      real(wp) :: way
+      integer :: j, k
+
+      call read_unit(self, shape, e, before)
+      node = unit_nodes(shape%solids, shape%mesh, e)
+      way = step*maxval(maxval(shape%mesh%x(:, node), 2) - minval(shape%mesh%x(:, node), 2))
+      do j = 1, size(node)
+         do k = 1, shape%mesh%ndim
+            if (shape%solids%dof(k, node(j)) > 0) call move(k, node(j), &
+               & shape%solids%dof(k, node(j)))
          end do
       end do
 
@@ -75,14 +95,14 @@ contains
          was = [u(dof), self%u(component, at)]
          u(dof) = was(1) + way
          self%u(component, at) = was(1) + way
-         call compute(self, shape, self%unit(i))
-         call read_unit(self, shape, self%unit(i), after)
+         call compute(self, shape, e)
+         call read_unit(self, shape, e, after)
          do m = 1, size(before%place)
             associate (place => before%place(m))
                if (.not. wanted(place)) cycle
-               change(1) = dot_product(von_mises_slope(self%at_node(:, place)), &
+               change = 0.0_wp
+               if (reads(1)) change(1) = dot_product(von_mises_slope(self%at_node(:, place)), &
                   & after%stress(:, m) - before%stress(:, m))/real(self%share(place), wp)
-               change(2) = 0.0_wp
                if (self%weight(place) > 0.0_wp) change(2) = (after%flow(m) - before%flow(m)) &
                   & /self%weight(place)
                call add(slopes(place), dof, change/(u(dof) - was(1)))
@@ -91,7 +111,7 @@ contains
          u(dof) = was(1)
          self%u(component, at) = was(2)
       end subroutine move
-   end subroutine find_slopes
+   end subroutine add_differences
 
    pure logical function has_slopes(shape, e)
       type(configuration_type), intent(in) :: shape
@@ -107,11 +127,12 @@ contains
    end function has_slopes
 
    !> Slopes at nodes of an element or patch, by the tangents of its points.
-   subroutine add_unit(self, shape, e, place, slopes)
+   subroutine add_unit(self, shape, e, place, reads, slopes)
       type(surface_stress_type), intent(in) :: self
       type(configuration_type), intent(in) :: shape
       integer, intent(in) :: e
       integer, intent(in) :: place(:)          !! the nodes
+      logical, intent(in) :: reads(2)
       type(slopes_type), intent(inout) :: slopes(:)   !! (nread)
       type(element_type) :: element
       type(element_input_type) :: input
@@ -119,8 +140,9 @@ contains
       real(wp), allocatable, target :: x(:, :), moved(:, :), past(:, :)
       real(wp), allocatable :: row(:, :, :), slope(:, :, :)
       logical, allocatable :: flowing(:)
-      integer :: i, j, k, bad
+      integer :: i, bad, of(2)
 
+      of = [merge(1, 0, reads(1)), merge(count(reads), 0, reads(2))]   ! rows of a node
       allocate (node, source=unit_nodes(shape%solids, shape%mesh, e))
       associate (group => shape%solids%group(shape%solids%which(e)), p => shape%solids%patches)
          if (p%of(e) == 0) then
@@ -139,31 +161,50 @@ contains
       input%memory => past
       input%dt = shape%memory%dt
       input%scaled = shape%memory%scaled .and. input%law%remembers
-      allocate (row(7, element%ngauss, 2*size(place)), flowing(element%ngauss))
-      allocate (slope(element%ndim, element%nnode, 2*size(place)))
-      call fill_rows(self, shape, e, place, row, flowing)
+      allocate (row(7, element%ngauss, count(reads)*size(place)), flowing(element%ngauss))
+      call fill_rows(self, shape, e, place, of, row, flowing)
+      if (all(abs(row) <= 0.0_wp)) return
+      allocate (slope(element%ndim, element%nnode, size(row, 3)))
       if (shape%memory%finite_strain) then
          call finite_strain_slopes(element, input, flowing, row, slope, bad)
       else
          call flow_slopes(element, input, flowing, row, slope, bad)
       end if
       do i = 1, size(place)
-         do j = 1, size(node)
-            do k = 1, element%ndim
-               associate (dof => shape%solids%dof(k, node(j)))
-                  if (dof > 0) call add(slopes(place(i)), dof, slope(k, j, 2*i - 1:2*i))
-               end associate
-            end do
-         end do
+         associate (first => (i - 1)*count(reads))
+            call put(slopes(place(i)), shape%solids%dof(:element%ndim, node), &
+               & slope(:, :, first + 1:first + count(reads)), of)
+         end associate
       end do
    end subroutine add_unit
 
+   !> Slopes of one node by the displacements of an element or patch.
+   pure subroutine put(self, dof, slope, of)
+      type(slopes_type), intent(inout) :: self
+      integer, intent(in) :: dof(:, :)         !! (ndim, nnode) 0: held
+      real(wp), intent(in) :: slope(:, :, :)   !! (ndim, nnode, rows)
+      integer, intent(in) :: of(2)             !! see fill_rows
+      real(wp) :: value(2)
+      integer :: j, k
+
+      do j = 1, size(dof, 2)
+         do k = 1, size(dof, 1)
+            if (dof(k, j) == 0) cycle
+            value = 0.0_wp
+            if (of(1) > 0) value(1) = slope(k, j, of(1))
+            if (of(2) > 0) value(2) = slope(k, j, of(2))
+            call add(self, dof(k, j), value)
+         end do
+      end do
+   end subroutine put
+
    !> Factors of the stresses at the points in von Mises' stress and that of flow of some nodes.
-   subroutine fill_rows(self, shape, e, place, row, flowing)
+   subroutine fill_rows(self, shape, e, place, of, row, flowing)
       type(surface_stress_type), intent(in) :: self
       type(configuration_type), intent(in) :: shape
       integer, intent(in) :: e, place(:)
-      real(wp), intent(out) :: row(:, :, :)    !! (7, point, 2 place)
+      integer, intent(in) :: of(2)             !! rows of von Mises' stress, of flow; 0: none
+      real(wp), intent(out) :: row(:, :, :)    !! (7, point, rows of a place by place)
       logical, intent(out) :: flowing(:)       !! points, since the accepted state
       integer, allocatable :: member(:)
       integer :: m, n
@@ -173,20 +214,20 @@ contains
       allocate (member, source=members_of(shape%solids, e))
       n = size(flowing)/size(member)
       do m = 1, size(member)
-         call fill_member(self, shape, member(m), place, row(:, (m - 1)*n + 1:m*n, :), &
+         call fill_member(self, shape, member(m), place, of, row(:, (m - 1)*n + 1:m*n, :), &
             & flowing((m - 1)*n + 1:m*n))
       end do
    end subroutine fill_rows
 
    !> Those of the points of one element.
-   subroutine fill_member(self, shape, e, place, row, flowing)
+   subroutine fill_member(self, shape, e, place, of, row, flowing)
       type(surface_stress_type), intent(in) :: self
       type(configuration_type), intent(in) :: shape
-      integer, intent(in) :: e, place(:)
+      integer, intent(in) :: e, place(:), of(2)
       real(wp), intent(inout) :: row(:, :, :)
       logical, intent(inout) :: flowing(:)
       real(wp) :: mises(6), flow(size(flowing))
-      integer :: a, i, k
+      integer :: a, i, k, first
 
       flow = 0.0_wp
       if (remembers(self, shape, e)) then
@@ -201,15 +242,44 @@ contains
          do a = 1, element%nnode
             i = findloc(place, self%place(shape%mesh%conn(a, e)), 1)
             if (i == 0) cycle
-            mises = von_mises_slope(self%at_node(:, place(i)))/real(self%share(place(i)), wp)
-            do k = 1, size(flow)
-               row(:6, k, 2*i - 1) = row(:6, k, 2*i - 1) + element%extrapolation(a, k)*mises
-            end do
-            if (any(flow > 0.0_wp)) row(7, :, 2*i) = row(7, :, 2*i) &
-               & + element%extrapolation(a, :)*flow/self%weight(place(i))
+            first = (i - 1)*count(of > 0)
+            if (of(1) > 0) then
+               mises = von_mises_slope(self%at_node(:, place(i)))/real(self%share(place(i)), wp)
+               do k = 1, size(flow)
+                  row(:6, k, first + of(1)) = row(:6, k, first + of(1)) &
+                     & + element%extrapolation(a, k)*mises
+               end do
+            end if
+            if (of(2) > 0 .and. any(flow > 0.0_wp)) row(7, :, first + of(2)) = row(7, :, first &
+               & + of(2)) + element%extrapolation(a, :)*flow/self%weight(place(i))
          end do
       end associate
    end subroutine fill_member
+
+   !> Elements around a node share dofs: each is listed once.
+   pure subroutine sum_by_dof(self, listed)
+      type(slopes_type), intent(inout) :: self
+      integer, intent(inout) :: listed(:)      !! (ndof) 0; comes back so
+      integer :: j, k, n
+
+      if (.not. allocated(self%dof)) allocate (self%dof(0), self%mises(0), self%flow(0))
+      n = 0
+      do j = 1, self%n
+         k = listed(self%dof(j))
+         if (k > 0) then
+            self%mises(k) = self%mises(k) + self%mises(j)
+            self%flow(k) = self%flow(k) + self%flow(j)
+            cycle
+         end if
+         n = n + 1
+         listed(self%dof(j)) = n
+         self%dof(n) = self%dof(j)
+         self%mises(n) = self%mises(j)
+         self%flow(n) = self%flow(j)
+      end do
+      self%n = n
+      listed(self%dof(:n)) = 0
+   end subroutine sum_by_dof
 
    !> One slope more.
    pure subroutine add(self, dof, value)

@@ -24,7 +24,8 @@ module lopin_surface_stress
       integer, allocatable :: place(:)         !! (nnode) its place in these; 0: it is none
       integer, allocatable :: unit(:)          !! elements, each that stands for its patch
       integer, allocatable :: share(:)         !! (nread) elements of the node
-      logical :: flows = .false.               !! the stress of flow is read too
+      logical :: flows = .false.               !! the stress of flow is read
+      logical :: stressed = .false.            !! von Mises' is read
       real(wp), allocatable :: u(:, :)         !! (3, nnode) displacements [length]
       real(wp), allocatable :: stress(:, :)    !! (6, npoint) where an element has such a node
       real(wp), allocatable :: strain(:, :)    !! (6, npoint) the same
@@ -44,12 +45,13 @@ module lopin_surface_stress
 contains
 
    !> Who is read.
-   subroutine new_surface_stress(self, solids, mesh, node, flows)
+   subroutine new_surface_stress(self, solids, mesh, node, flows, stressed)
       type(surface_stress_type), intent(out) :: self
       type(solids_type), intent(in) :: solids
       type(mesh_type), intent(in) :: mesh
       integer, intent(in) :: node(:)           !! some may stand more than once
-      logical, intent(in) :: flows             !! the stress of flow is read too
+      logical, intent(in) :: flows             !! the stress of flow is read
+      logical, intent(in) :: stressed          !! and von Mises'; else that is left 0
       logical :: reads(mesh%nelement)
       integer :: e, i, n
 
@@ -76,6 +78,7 @@ contains
       end do
       self%unit = pack([(e, e=1, mesh%nelement)], reads)
       self%flows = flows
+      self%stressed = stressed
       n = solids%first_point(mesh%nelement + 1) - 1
       allocate (self%u(3, mesh%nnode), self%stress(6, n), self%strain(6, n), source=0.0_wp)
       allocate (self%at_node(6, size(self%node)), self%flow(size(self%node)), &
@@ -149,10 +152,10 @@ contains
       integer, intent(in) :: e
       real(wp) :: work, volume
 
-      if (shape%memory%finite_strain .or. shape%memory%in_use) then
+      if (self%stressed .and. (shape%memory%finite_strain .or. shape%memory%in_use)) then
          call recover_unit(shape%solids, shape%mesh, self%u, shape%memory, e, self%stress, &
             & self%strain)
-      else
+      else if (self%stressed) then
          call recover_linear(shape%solids, shape%mesh, self%u, e, self%stress, self%strain)
       end if
       if (.not. remembers(self, shape, e)) return
@@ -211,7 +214,8 @@ contains
       p = shape%solids%first_point(e)
       q = shape%solids%first_point(e + 1) - 1
       associate (at => shape%solids%group(shape%solids%which(e))%element%extrapolation(a, :))
-         stress = matmul(self%stress(:, p:q), at)
+         stress = 0.0_wp
+         if (self%stressed) stress = matmul(self%stress(:, p:q), at)
          if (.not. remembers(self, shape, e)) return
          do k = 1, size(at)
             associate (now => self%next(stress_at(merge(4, 6, shape%mesh%ndim == 2)), &

@@ -113,7 +113,7 @@ contains
          & ' '//trim(laws(l))//merge(' finite', ' small ', finite))
       call make(finite)
       node = [1, 2, mesh%nnode]
-      call new_surface_stress(surface, solids, mesh, node, l > 2)
+      call new_surface_stress(surface, solids, mesh, node, l > 2, .true.)
       seed = 5
       allocate (u(mesh%ndim*mesh%nnode), way(mesh%ndim*mesh%nnode))
       do k = 1, size(u)
@@ -136,7 +136,7 @@ contains
       rate(:, 2) = (flow(:, 1) - 8.0_wp*flow(:, 2) + 8.0_wp*flow(:, 3) - flow(:, 4))/12.0_wp
       rate = rate/step
       call find_stress(surface, solids, mesh, u, memory, mises(:, 1), flow(:, 1))
-      call find_slopes(surface, configuration(u), u, spread(.true., 1, n), slopes)
+      call find_slopes(surface, configuration(u), u, spread(.true., 1, n), [.true., .true.], slopes)
       do k = 1, n
          associate (s => slopes(k))
             found_(k, 1) = dot_product(s%mises(:s%n), way(s%dof(:s%n)))
@@ -145,12 +145,40 @@ contains
       end do
       noise = maxval(abs(rate(:, 1))) + maxval(abs(rate(:, 2)))
       call is_true('stress changes', noise > 0.0_wp)
+      call flow_alone_is_the_same(surface, u, way, found_(:, 2), noise)
       call is_true('metal flows', all(flow(:, 1) > 0.0_wp) .or. l <= 2)
       call close_to('mises', found_(:, 1)/noise, rate(:, 1)/noise, merge(1.0e-6_wp, 1.0e-4_wp, &
          & exact))
       call close_to('flow', found_(:, 2)/noise, rate(:, 2)/noise, merge(1.0e-6_wp, 1.0e-4_wp, &
          & exact))
    end subroutine slopes_are_those_of_differences
+
+   !> What is not read is not found, and changes nothing else.
+   subroutine flow_alone_is_the_same(surface, u, way, flow, scale)
+      type(surface_stress_type), intent(inout) :: surface
+      real(wp), contiguous, intent(inout), target :: u(:)
+      real(wp), intent(in) :: way(:), flow(:), scale
+      type(slopes_type), allocatable :: slopes(:)
+      real(wp) :: alone(size(flow)), mises(size(flow)), now(size(flow))
+      logical :: once, none
+      integer :: j, k
+
+      call find_stress(surface, solids, mesh, u, memory, mises, now)
+      call find_slopes(surface, configuration(u), u, spread(.true., 1, size(flow)), &
+         & [.false., .true.], slopes)
+      once = .true.
+      none = .true.
+      do k = 1, size(flow)
+         associate (s => slopes(k))
+            alone(k) = dot_product(s%flow(:s%n), way(s%dof(:s%n)))
+            once = once .and. all([(count(s%dof(:s%n) == s%dof(j)) == 1, j=1, s%n)])
+            none = none .and. all(abs(s%mises(:s%n)) <= 0.0_wp)
+         end associate
+      end do
+      call is_true('each dof once', once)
+      call is_true('nothing else', none)
+      call close_to('flow alone', alone/scale, flow/scale, 1.0e-12_wp)
+   end subroutine flow_alone_is_the_same
 
    function configuration(u) result(shape)
       real(wp), contiguous, intent(in), target :: u(:)

@@ -38,7 +38,7 @@ contains
          if (.not. any(contact%follows)) return
          call new_surface_stress(scene%newton%surface, scene%solids, model%mesh, &
             & pack(contact%node(:contact%n), [(contact%follows(contact%pair(i)), &
-            & i=1, contact%n)]), scene%newton%flows)
+            & i=1, contact%n)]), scene%newton%flows, any(reads_mises(contact%friction)))
       end associate
    end subroutine choose_followers
 
@@ -85,7 +85,8 @@ contains
          if (.not. any(wanted)) return
          call find_slopes(surface, configuration_type(scene%solids, model%mesh, &
             & scene%trial%motion%u, scene%newton%past), scene%trial%motion%u, &
-            & wanted(surface%node), slopes)
+            & wanted(surface%node), [any(by_stress(2, :) > 0.0_wp), any(by_stress(1, :) &
+            & > 0.0_wp)], slopes)
          do i = 1, contact%nlocal
             associate (l => contact%local(i))
                if (.not. allocated(l%by_bound)) cycle

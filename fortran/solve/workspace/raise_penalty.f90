@@ -12,7 +12,8 @@ module lopin_raise_penalty
    use lopin_scene, only : scene_type
    implicit none
    private
-   public :: raising_type, chooses_slope, chooses_elastic_slip, wants_other_slope, choose_other, report_raised
+   public :: raising_type, chooses_slope, chooses_elastic_slip, wants_other_slope, choose_other, &
+      & report_raised
 
    !> Times that a run raises them.
    integer, parameter :: most_raises = 20
