@@ -51,14 +51,15 @@ contains
       type(scene_type), intent(inout) :: scene
       logical, intent(inout) :: jammed(:)      !! (npair)
       logical, intent(out) :: jams
-      integer :: i
+      integer :: i, eased
 
       associate (c => scene%newton%contact)
          do i = 1, c%n
             if (may_jam(c, i)) jammed(c%pair(i)) = .true.
          end do
-         call ease(scene, [(jammed(c%pair(i)), i=1, c%n)], jams)
+         call ease(scene, [(jammed(c%pair(i)), i=1, c%n)], eased)
       end associate
+      jams = eased > 0
    end subroutine ease_jammed
 
    !> Half the slope of the points that jam at this trial and have come back to it again and again.
@@ -67,7 +68,6 @@ contains
       type(scene_type), intent(inout) :: scene
       integer, intent(out) :: eased            !! how many
       logical, allocatable :: which(:)
-      logical :: jams
       integer :: i, now
 
       eased = 0
@@ -90,25 +90,24 @@ contains
             which(i) = may_jam(c, i)
          end do
          if (.not. any(which)) return
-         call ease(scene, which, jams)
+         call ease(scene, which, eased)
          call apply_eased(scene)
-         if (jams) eased = count(which)
          where (which) self%returns = 0
       end associate
    end subroutine ease_returning
 
-   !> Half the slope of some points; `jams` if any is left to be halved.
-   subroutine ease(scene, which, jams)
+   !> Half the slope of some points.
+   subroutine ease(scene, which, eased)
       type(scene_type), intent(inout) :: scene
       logical, intent(in) :: which(:)          !! (n)
-      logical, intent(out) :: jams
+      integer, intent(out) :: eased            !! of them whose slope was not yet the gentlest
       logical :: halved(size(which))
 
       associate (c => scene%newton%contact, state => scene%trial%contact)
          halved = which
          where (less*c%eased*c%friction(c%pair(:c%n))%rise < gentlest) halved = .false.
-         jams = any(halved)
-         if (.not. jams) return
+         eased = count(halved)
+         if (eased == 0) return
          if (.not. allocated(state%eased)) allocate (state%eased(size(which)), &
             & state%steepest(size(which)), source=1.0_wp)
          if (allocated(scene%accepted%contact%eased)) then
