@@ -74,7 +74,7 @@ contains
       integer :: j, k
 
       call read_unit(self, shape, e, before)
-      node = unit_nodes(shape%solids, shape%mesh, e)
+      allocate (node, source=unit_nodes(shape%solids, shape%mesh, e))
       way = step*maxval(maxval(shape%mesh%x(:, node), 2) - minval(shape%mesh%x(:, node), 2))
       do j = 1, size(node)
          do k = 1, shape%mesh%ndim

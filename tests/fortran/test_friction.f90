@@ -296,6 +296,7 @@ contains
 
    subroutine bounds_rise()
       type(friction_type) :: law
+      type(condition_type) :: eased
       real(wp) :: p, radius, slope, lost, whole
 
       call test('a bound that is a stress rises as ten times p, or as the coefficient of AUTO')
@@ -314,18 +315,19 @@ contains
       call close_to('a coefficient', radius, 0.1_wp*p, 1.0e-14_wp)
       call lost_at_touch(law, p, scene(), lost, whole)
       call close_to('which is the law: nothing is lost', lost, 0.0_wp, 0.0_wp)
-      law%eased = 0.5_wp
-      call friction_radius(law, p, scene(), radius, slope)
+      eased = scene()
+      eased%eased = 0.5_wp
+      call friction_radius(law, p, eased, radius, slope)
       call close_to('eased, half of it', radius, 0.05_wp*p, 1.0e-14_wp)
-      call lost_at_touch(law, p, scene(), lost, whole)
+      call lost_at_touch(law, p, eased, lost, whole)
       call close_to('and half of it is lost', lost, 0.05_wp*p, 1.0e-13_wp)
       law%rise = 10.0_wp
-      call friction_radius(law, p, scene(), radius, slope)
+      call friction_radius(law, p, eased, radius, slope)
       call close_to('a jump eased', radius, 5.0_wp*p, 1.0e-14_wp)
       call close_to('and its slope', slope, 5.0_wp, 0.0_wp)
-      call lost_at_touch(law, p, scene(), lost, whole)
+      call lost_at_touch(law, p, eased, lost, whole)
       call close_to('the rest is lost', lost, 35.0_wp*p, 1.0e-13_wp)
-      call friction_radius(law, 10.0_wp*p, scene(), radius, slope)
+      call friction_radius(law, 10.0_wp*p, eased, radius, slope)
       call close_to('nothing where it is reached', radius, 40.0_wp*p, 1.0e-13_wp)
    end subroutine bounds_rise
 end program test_friction
