@@ -37,8 +37,9 @@ contains
       call add_explanation(list, 'N0347', 'a pair that says no TYPE is carried out surface to '// &
          & 'surface', 'At the nodes its facets, which do not match, would make a uniform '// &
          & 'pressure uneven by the figure that is said (W0333), or even on the slave and '// &
-         & 'uneven in the master; under NLGEOM facets that match at the start do so no more '// &
-         & 'when they have slid. Surface to surface is exact there, so it is taken where the '// &
+         & 'uneven in the master; on the nonlinear path (NLGEOM, temperatures, plastic flow) '// &
+         & 'facets that match at the start do so no more when they have slid, and nodes of '// &
+         & 'round bodies leave the corners that they met. Surface to surface is exact there, so it is taken where the '// &
          & 'deck leaves the choice open: no TYPE, SMOOTH or EXTENSION ZONE, no new meshes. In '// &
          & 'space, and where bodies move far, every facet of the slave that faces the master '// &
          & 'must lie opposite it whole, or be of metal: at its end contact of elastic bodies '// &

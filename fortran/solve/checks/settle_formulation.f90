@@ -2,8 +2,9 @@
 !>
 !> At the nodes is what a pair is that says nothing. Where facets do not match it is carried out
 !> surface to surface: pressures and forces are right then, at .4 to 1.9 times the time
-!> (docs/which-method.md). So it is under NLGEOM where facets match at the start: they slide, and
-!> nodes that come to joints of facets all at once find no equilibrium. Parts of a run with new
+!> (docs/which-method.md). So it is on the nonlinear path where facets match at the start: they
+!> slide, nodes that come to joints of facets all at once find no equilibrium, and those of round
+!> bodies leave the corners that they met for the chords beside them. Parts of a run with new
 !> meshes stay at the nodes, one like the other.
 module lopin_settle_formulation
    use lopin_error, only : error_type, log_type, severity
@@ -43,7 +44,7 @@ contains
       if (is_part(model)) return
       uneven = unevenness(scene, model, model%pair%open)
       match = uneven < 0.0_wp
-      if (any(model%step%nlgeom)) then
+      if (needs_nonlinear(model)) then
          where (match .and. [(model%pair(i)%open .and. is_at_nodes(model, model%pair(i)), &
             & i=1, size(match))]) uneven = 0.0_wp
       end if
