@@ -105,7 +105,8 @@ def python_command(arguments: list[str]) -> int:
     die.add_argument("deck", help="mesh, material, supports and a step of the die, where the "
                      "forging's tool stands at the start")
     die.add_argument("--surface", required=True, help="of the die's faces that meet the metal")
-    die.add_argument("--pair", default=None, help="of the forging; default: the first")
+    die.add_argument("--pair", default=None, help="of the forging; default: all of the tool of "
+                     "the first")
     die.add_argument("--time", default="end", metavar="TIME", help="the output nearest to this "
                      "time; peak: that of the largest pressure; default: end")
     die.add_argument("-o", "--output", type=Path, help="default: <deck>_loaded.inp here")
