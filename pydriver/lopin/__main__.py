@@ -105,7 +105,8 @@ def python_command(arguments: list[str]) -> int:
     die.add_argument("deck", help="mesh, material, supports and a step of the die, where the "
                      "forging's tool stands at the start")
     die.add_argument("--surface", required=True, help="of the die's faces that meet the metal")
-    die.add_argument("--pair", default=None, help="of the forging; default: the first")
+    die.add_argument("--pair", default=None, help="of the forging; default: all of the tool of "
+                     "the first")
     die.add_argument("--time", default="end", metavar="TIME", help="the output nearest to this "
                      "time; peak: that of the largest pressure; default: end")
     die.add_argument("-o", "--output", type=Path, help="default: <deck>_loaded.inp here")
@@ -124,8 +125,8 @@ def python_command(arguments: list[str]) -> int:
     flc = commands.add_parser("flc", help="strains of a sheet beside a forming limit curve")
     flc.add_argument("folder", type=Path, help="what the run left")
     flc.add_argument("--curve", type=Path, help="a line for each point: minor, major strain (true)")
-    flc.add_argument("--normal", type=float, nargs="+", help="of the flat blank; default: the axis "
-                     "along which it is thinnest, z in plane stress")
+    flc.add_argument("--normal", type=float, nargs="+", help="of the flat blank; default: that of "
+                     "its faces, z in plane stress")
     flc.add_argument("--axisymmetric", action="store_true", help="the kind of the run, which its "
                      "summary tells")
     flc.add_argument("-o", "--output", type=Path, help="default: <folder>/flc.csv")

@@ -287,13 +287,13 @@ def die(options) -> int:
 
     result = open_result(result_folder(options.folder))
     pair = result.contact(options.pair or 0)
-    loads = ToolLoads.of(result, pair.pair, _index_of(options.time, result, pair))
+    loads = ToolLoads.of(result, options.pair, _index_of(options.time, result, pair))
     deck, balance = die_deck(Deck.read(options.deck), options.surface, loads)
     path = options.output or Path(f"{Path(options.deck).stem}_loaded.inp")
     if path.exists() and path.samefile(options.deck):
         raise UsageError(f"{path} is the deck itself: give another name with -o")
     print(deck.write(path))
-    print(f"{loads.tool}: {balance.line()}")
+    print(f"{loads.line()}: {balance.line()}")
     return 0
 
 

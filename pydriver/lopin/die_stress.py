@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from .deck import Block, Deck
 from .errors import ModelError, UsageError
 from .mesh.cells import CELLS
-from .model_read_mesh import MeshCards, expanded
+from .model_read_mesh import MeshCards, expanded, plain
 
 
 @dataclass
@@ -27,19 +27,32 @@ class ToolLoads:
     tool : name of its surface
     place : of the slave nodes that press, moved back with the tool (n, ndim) [length]
     force : on the tool (n, ndim) [force]; of the whole ring where axisymmetric
+    pairs : that are in it
+    left_out : pairs of the same tool that bear forces and are not in it
     """
 
     tool: str
     place: NDArray
     force: NDArray
+    pairs: tuple[str, ...] = ()
+    left_out: tuple[str, ...] = ()
 
     @classmethod
-    def of(cls, result, pair: str | int = 0, index: int = -1) -> ToolLoads:
-        """Of a result, from `lopin.run` or `lopin.open_result`, at an output."""
-        contact = result.contact(pair).at(index)
-        tool = next(str(c["master"]) for c in result.summary["contact"]
-                    if c["pair"] == contact.pair)
-        force = np.asarray(contact.force)
+    def of(cls, result, pair: str | int | None = None, index: int = -1) -> ToolLoads:
+        """Of a result, from `lopin.run` or `lopin.open_result`, at an output.
+
+        `pair`: the one to take; default: all pairs of the tool of the first.
+        """
+        master = {str(c["pair"]): str(c["master"]) for c in result.summary["contact"]}
+        first = result.contact(pair or 0).pair
+        tool = master[first]
+        contacts = {p: result.contact(p).at(index) for p in result.pairs
+                    if master.get(p) == tool}
+        taken = [first] if pair is not None else list(contacts)
+        left = tuple(p for p, contact in contacts.items()
+                     if p not in taken and np.any(contact.force))
+        place = np.concatenate([contacts[p].place for p in taken])
+        force = np.concatenate([contacts[p].force for p in taken])
         ndim = force.shape[1]
         time = result.times[index]
         history = result.history
@@ -54,7 +67,12 @@ class ToolLoads:
             raise ModelError(f"{tool} has turned by {turned:.3g} rad: its die is put where it "
                              "stood at the start", help="hold the rotations of the tool")
         presses = np.abs(force).max(axis=1) > 0.0
-        return cls(tool, np.asarray(contact.place)[presses, :ndim] - moved, -force[presses])
+        return cls(tool, place[presses, :ndim] - moved, -force[presses], tuple(taken), left)
+
+    def line(self) -> str:
+        """Whose forces they are, for a terminal."""
+        told = f"{self.tool} ({', '.join(self.pairs)})" if len(self.pairs) > 1 else self.tool
+        return told + (f", without {', '.join(self.left_out)}" if self.left_out else "")
 
 
 @dataclass
@@ -114,8 +132,9 @@ def die_deck(die: Deck, surface: str, loads: ToolLoads) -> tuple[Deck, Balance]:
                          help="the die's mesh stands where its tool stands at the start of the "
                               "forging, in the same units and axes")
     label = {k: n for n, k in cards.index.items()}
-    rows = [[label[k], d + 1, float(total[k, d])] for k in np.unique(node) for d in
-            range(mesh.ndim) if total[k, d] != 0.0]
+    written = np.einsum("kde,ke->kd", axes_of_nodes(blocks, cards, mesh.points), total)
+    rows = [[label[k], d + 1, float(written[k, d])] for k in np.unique(node) for d in
+            range(mesh.ndim) if written[k, d] != 0.0]
     return _loaded(die, blocks, rows), balance
 
 
@@ -128,6 +147,48 @@ def _loaded(die: Deck, blocks: list[Block], rows: list[list]) -> Deck:
     deck = Deck(preamble=die.preamble, name=f"{die.name}_loaded", folder=die.folder)
     deck.blocks = [*blocks[:ends[0]], Block("CLOAD", {}, rows), *blocks[ends[0]:]]
     return deck
+
+
+def axes_of_nodes(blocks: list[Block], cards: MeshCards, x: NDArray) -> NDArray:
+    """Axes in which the loads of nodes are meant (node, axis, ndim): those of *TRANSFORM."""
+    axes = np.broadcast_to(np.eye(3), (len(x), 3, 3)).copy()
+    space = np.zeros((len(x), 3))
+    space[:, :x.shape[1]] = x
+    for block in blocks:
+        if block.keyword != "TRANSFORM":
+            continue
+        nodes = [cards.index[n] for n in cards.labels(plain(block.parameters["NSET"]))
+                 if n in cards.index]
+        values = [float(v or 0.0) for v in block.data[0]] if block.data else []
+        a, b = np.array([*values, *[0.0]*6][:6]).reshape(2, 3)
+        about = str(plain(block.parameters.get("TYPE", "R"))).upper() == "C"
+        axis = b - a if about else np.cross(a, b)
+        if not np.linalg.norm(axis) > 0.0:
+            raise ModelError("the points of *TRANSFORM give no axes", id="E0405")
+        axes[nodes] = _about(a, axis, space[nodes]) if about else _upright(a[None], axis)
+    return axes[:, :x.shape[1], :x.shape[1]]
+
+
+def _about(a: NDArray, axis: NDArray, x: NDArray) -> NDArray:
+    """Radial, tangential, axial at places; one direction for all places on the axis, as the solver
+    has it."""
+    long = np.linalg.norm(axis)
+    unit, arm = axis/long, x - a
+    away = arm - np.outer(arm @ unit, unit)
+    size = np.maximum(long, np.linalg.norm(arm, axis=1))
+    if abs(unit[0]) > 1e-9:
+        across = [-unit[1]/unit[0], 1.0, 0.0]
+    else:
+        across = [0.0, -unit[2]/unit[1], 1.0] if abs(unit[1]) > 1e-9 else [1.0, 0.0, 0.0]
+    away[~(np.linalg.norm(away, axis=1) > 1e-9*size)] = across
+    return _upright(away, axis)
+
+
+def _upright(first: NDArray, third: NDArray) -> NDArray:
+    """Axes (n, 3, 3) of the first (n, 3) and the third direction."""
+    first = first/np.linalg.norm(first, axis=1)[:, None]
+    third = np.broadcast_to(third/np.linalg.norm(third), first.shape)
+    return np.stack([first, np.cross(third, first), third], axis=1)
 
 
 def facets_of(mesh, surface: str) -> NDArray:

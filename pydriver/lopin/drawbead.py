@@ -33,7 +33,7 @@ def drawbead(name: str, line, *, force: float, width: float, faces, sheet: str, 
     by a force. The bound is reached at a pressure of a tenth of it (force/width/10).
 
     >>> print(drawbead("B", (10., 1.), force=80., width=4., faces=(0., -1.), sheet="TOP",
-    ...                node=900, element=90))
+    ...                node=900, element=90), end="")
     *NODE
     900, 10.0, 1.0
     901, 12.0, 1.0
@@ -76,7 +76,7 @@ def drawbead(name: str, line, *, force: float, width: float, faces, sheet: str, 
         f"*RIGID BODY, ELSET={name}, REF NODE={node}", f"*SURFACE, NAME={name}", f"{name},",
         f"*SURFACE INTERACTION, NAME={name}_LINE", f"*SURFACE BEHAVIOR, {method}",
         f"*FRICTION, LAW=TRESCA, TAUMAX={force/width!r}",
-        f"*CONTACT PAIR, INTERACTION={name}_LINE, TYPE=SURFACE TO SURFACE", f"{sheet}, {name}"])
+        f"*CONTACT PAIR, INTERACTION={name}_LINE, TYPE=SURFACE TO SURFACE", f"{sheet}, {name}", ""])
 
 
 def _sideways(places: NDArray, toward: NDArray) -> NDArray:

@@ -150,8 +150,11 @@ EXTRAS = {"pandas": "table", "pyvista": "3d", "matplotlib": "plot", "gmsh": "mes
           "mmgpy": "remesh", "scipy": "remesh"}
 
 
-def optional(name: str, what: str) -> ModuleType:
+def optional(name: str, what: str, extra: str = "", id: str = "") -> ModuleType:
     """An optional package; `what` needs it.
+
+    `extra` of the package that brings it together with the others that `what` needs; `id` of the
+    diagnostic.
 
     Raises
     ------
@@ -162,4 +165,5 @@ def optional(name: str, what: str) -> ModuleType:
     except ImportError as problem:
         package = name.partition(".")[0]
         raise MissingPackageError(f"{what} need{'' if what.endswith('s') else 's'} {package}",
-                                  help=f"pip install 'lopin[{EXTRAS[package]}]'") from problem
+                                  help=f"pip install 'lopin[{extra or EXTRAS[package]}]'",
+                                  id=id) from problem

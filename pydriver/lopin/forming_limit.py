@@ -13,10 +13,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .errors import UsageError
+from .mesh.cells import CELLS
+from .mesh.mesh import Mesh
 from .result import refuse_meshes
 
 #: Corners of the cells that a sheet may be made of, by the first letters of meshio's names.
 _CORNERS = {"triangle": 3, "quad": 4, "tetra": 4, "wedge": 6, "hexahedron": 8}
+#: Cosines to the normal of a blank: of its faces (not its rim), of faces that are flat.
+_FACE, _FLAT = 0.7, 0.999
+#: Share of the faces that may be bent beside that, as rounded edges are, and of the layer from its
+#: lowest to its highest place that a flat blank fills at least.
+_BENT, _FILLED = 0.05, 0.5
 
 
 @dataclass(frozen=True)
@@ -28,12 +35,14 @@ class SheetStrains:
     place : of the middle at the end (cell, ndim)
     major, minor : principal logarithmic strains in the plane of the sheet
     limit : major strain that the curve allows there; nan outside its minor strains, or without one
+    remark : on the normal of the blank, where nobody gave it and it is no axis
     """
 
     place: NDArray
     major: NDArray
     minor: NDArray
     limit: NDArray
+    remark: str = ""
 
     @property
     def share(self) -> NDArray:
@@ -49,6 +58,9 @@ class SheetStrains:
 
     def line(self) -> str:
         """For a terminal."""
+        return f"{self._told()}; {self.remark}" if self.remark else self._told()
+
+    def _told(self) -> str:
         judged = np.isfinite(self.limit)
         where = np.nanargmax(self.share) if judged.any() else int(np.argmax(self.major))
         at = ", ".join(f"{v:.4g}" for v in self.place[where])
@@ -92,8 +104,8 @@ def strains_of(result, curve: ArrayLike | None = None, *, axisymmetric: bool = F
     result : of `lopin.run` or `lopin.open_result`
     curve : points (minor, major)
     axisymmetric : the kind of a run that has no summary
-    normal : of the blank before it was formed; default: z in plane stress, else the direction in
-        which it is thinnest
+    normal : of the blank before it was formed; default: z in plane stress, else that of its faces
+        (`normal_of`)
     """
     refuse_meshes(result, "strains count from the mesh of the start, and the last mesh is another")
     kind = (result.summary.get("model") or {}).get("kind", "")
@@ -123,7 +135,7 @@ def sheet_strains(mesh, displacement: ArrayLike, curve: ArrayLike | None = None,
     displacement : of its points (point, ndim)
     curve : points (minor, major)
     axisymmetric : the plane is (r, z): the third strain is that of the hoop
-    normal : of the blank before it was formed; default: the direction in which it is thinnest.
+    normal : of the blank before it was formed; default: that of its faces (`normal_of`).
         Across the plane of a mesh (0, 0, 1): both strains are those of the plane
     """
     blocks = [(c.type, np.asarray(c.data)) for c in mesh.cells if _corners(c.type)]
@@ -131,9 +143,9 @@ def sheet_strains(mesh, displacement: ArrayLike, curve: ArrayLike | None = None,
     d = 2 if flat else 3
     x = np.asarray(mesh.points, float)[:, :d]
     u = np.asarray(displacement, float)[:, :d]
+    remark = ""
     if normal is None:
-        used = np.unique(np.concatenate([c.ravel() for _, c in blocks]))
-        normal = np.eye(d)[int(np.argmin(np.ptp(x[used], axis=0)))]
+        normal, remark = normal_of(x, blocks)
     unit = _unit(normal, d)
     places, strains = [], []
     for name, cells in blocks:
@@ -152,7 +164,70 @@ def sheet_strains(mesh, displacement: ArrayLike, curve: ArrayLike | None = None,
     if curve is not None:
         points = np.asarray(curve, float)
         limit = np.interp(strain[:, 0], *points.T, left=np.nan, right=np.nan)
-    return SheetStrains(place, strain[:, 1], strain[:, 0], limit)
+    return SheetStrains(place, strain[:, 1], strain[:, 0], limit, remark)
+
+
+def normal_of(x: NDArray, blocks: list[tuple[str, NDArray]]) -> tuple[NDArray, str]:
+    """The normal of a flat blank, however it lies, and a remark if it is no axis.
+
+    The skin of a flat blank has most of its area across the normal, whatever its rim is like. A
+    blank that is bent at the start has no one normal: the axis along which it is thinnest stands
+    for it, and the remark says so.
+    """
+    area, volume = _skin_of(x, blocks)
+    size = np.linalg.norm(area, axis=1)
+    used = np.unique(np.concatenate([c.ravel() for _, c in blocks]))
+    axis = np.eye(x.shape[1])[int(np.argmin(np.ptp(x[used], axis=0)))]
+    spread = area.T @ (area/size[:, None])
+    values, directions = np.linalg.eigh(spread)
+    # Cubes have faces across every axis.
+    normal = directions[:, -1] if axis @ spread @ axis < (1.0 - 1e-9)*values[-1] else axis
+    for _ in range(2):   # the rim left out: exact where the faces are planes
+        cosine = area @ normal/size
+        faces = np.abs(cosine) > _FACE
+        mean = (area*np.sign(cosine)[:, None])[faces].sum(axis=0)
+        normal = mean/np.linalg.norm(mean)
+    cosine = np.abs(area @ normal)/size
+    bent = size[(cosine > _FACE) & (cosine < _FLAT)].sum() > _BENT*size[cosine > _FACE].sum()
+    layer = 0.5*np.abs(area @ normal).sum()*np.ptp(x[used] @ normal)
+    if bent or volume < _FILLED*layer:
+        return axis, ("the blank is bent at the start: its strains are across "
+                      f"{_components(axis)}, the axis along which it is thinnest; --normal says "
+                      "another")
+    if np.abs(normal @ axis) > 1.0 - 1e-9:
+        return axis, ""
+    normal = normal*np.sign(normal[np.argmax(np.abs(normal))])
+    return normal, f"the normal of the blank is {_components(normal)}"
+
+
+def _skin_of(x: NDArray, blocks: list[tuple[str, NDArray]]) -> tuple[NDArray, float]:
+    """Areas of the faces of the skin along their normals (face, d), and the volume within; lengths
+    and the area in a plane."""
+    family = {name: next(kind for kind in _CORNERS if name.startswith(kind)) for name, _ in blocks}
+    mesh = Mesh(x, [(family[name], cells[:, :_corners(name)]) for name, cells in blocks])
+    element, face = mesh.boundary().T
+    areas, volume, start = [], 0.0, 0
+    for name, cells in mesh.blocks:
+        own = (element >= start) & (element < start + len(cells))
+        for k, nodes in enumerate(CELLS[name].faces):
+            cell = cells[element[own & (face == k + 1)] - start]
+            corner = x[cell[:, list(nodes)]]
+            if x.shape[1] == 2:
+                way = corner[:, 1] - corner[:, 0]
+                area = np.stack([way[:, 1], -way[:, 0]], axis=1)
+            else:   # of triangles and of quads: by diagonals
+                area = 0.5*np.cross(corner[:, -2] - corner[:, 0], corner[:, -1] - corner[:, 1])
+            middle = corner.mean(axis=1)
+            outward = np.sign((area*(middle - x[cell].mean(axis=1))).sum(axis=1))
+            volume += (outward*((middle - x[0])*area).sum(axis=1)).sum()/x.shape[1]
+            areas.append(area)
+        start += len(cells)
+    area = np.concatenate(areas)
+    return area[np.linalg.norm(area, axis=1) > 0.0], float(volume)
+
+
+def _components(direction: NDArray) -> str:
+    return ", ".join(f"{v:.4g}" for v in direction)
 
 
 def _unit(normal: ArrayLike, d: int) -> NDArray:

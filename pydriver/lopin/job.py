@@ -23,6 +23,10 @@ class Job:
     ----------
     deck : Deck
         What runs.
+    has_begun : bool
+        Whether it was opened from a state: its tools have moved before its first increment.
+    blows : dict
+        Where `lopin.press.blow` has ended: number of increments, place and force of each tool.
 
     Example
     -------
@@ -45,6 +49,8 @@ class Job:
                                                state)
         self._open = self._session.code == 0
         self._count = 0
+        self.has_begun = bool(state)
+        self.blows: dict[str, tuple[int, float, float]] = {}
         if self._session.code:
             raise error_of(self._session.code, self._session.diagnostics)
 

@@ -47,8 +47,8 @@ def beyond_plane(point, normal) -> Callable[[NDArray], NDArray]:
     >>> beyond_plane((1.0, 0.0), (1.0, 0.0))(np.array([[0.5, 3.0], [1.5, 3.0]])).tolist()
     [False, True]
     """
-    point, normal = np.asarray(point, float), np.asarray(normal, float)
-    return lambda places: (places - point) @ normal > 0.0
+    distance = signed_plane(point, normal)
+    return lambda places: distance(places) > 0.0
 
 
 def signed_plane(point, normal) -> Callable[[NDArray], NDArray]:
@@ -58,7 +58,19 @@ def signed_plane(point, normal) -> Callable[[NDArray], NDArray]:
     [-0.5, 0.5]
     """
     point, normal = np.asarray(point, float), np.asarray(normal, float)
-    return lambda places: (places - point) @ (normal/np.linalg.norm(normal))
+    length = np.linalg.norm(normal)
+    if point.shape not in ((2,), (3,)) or normal.shape != point.shape or \
+            not np.isfinite(point).all() or not 0.0 < length < np.inf:
+        raise UsageError(f"no plane goes through {point.tolist()} across {normal.tolist()}",
+                         help="a point and a normal of two or three finite numbers each, not all "
+                              "of the normal 0")
+
+    def distance(places):
+        if places.shape[1] != len(point):
+            raise UsageError(f"the plane has {len(point)} coordinates, the body "
+                             f"{places.shape[1]}")
+        return (places - point) @ (normal/length)
+    return distance
 
 
 def next_operation(job: Job, elset: str, cards: str, *, name: str,
@@ -135,8 +147,7 @@ def _trimmed(body, last, trim):
     from .remesh.separate import rows_of, states_of_rest, without
 
     centre = np.concatenate([last.x[group].mean(axis=1) for group in body.cells])
-    gone = np.zeros(len(body.elements), bool) if trim is None else np.asarray(trim(centre), bool)
-    _refuse_nothing_left(gone)
+    gone = taken_out(trim, centre)
     row = rows_of(body, last.points)
     volume = np.bincount(row, last.points.volume, len(gone) + 1)[:-1]
     mesh, old = without(body, last.x, gone)
@@ -148,7 +159,7 @@ def _divided(body, last, cut):
     from .remesh.clip import clip, facets_of
     from .remesh.separate import rows_of, states_of_rest, without
 
-    parts = clip(last.x, body.cells, cut)
+    parts = clip(last.x, body.cells, _levels(cut))
     facets, tags = facets_of(parts, body.facets, body.tags, body.ndim)
     gone = np.concatenate(parts.beyond)
     _refuse_nothing_left(gone)
@@ -189,6 +200,43 @@ def measures_of(points, members: list[int]) -> NDArray:
     at = {label: k for k, label in enumerate(members)}
     row = np.array([at.get(int(label), len(members)) for label in points.element])
     return np.bincount(row, points.volume, len(members) + 1)[:len(members)]
+
+
+def taken_out(trim: Callable[[NDArray], NDArray] | None, centre: NDArray) -> NDArray:
+    """Which elements a trim takes out, told their centres."""
+    if trim is None:
+        return np.zeros(len(centre), bool)
+    if not callable(trim):
+        raise UsageError(f"trim is a function of places, not {trim!r}", help="beyond_plane(...)")
+    gone = np.asarray(trim(centre))
+    if gone.shape != (len(centre),):
+        raise UsageError(f"trim gives a table of shape {gone.shape} for {len(centre)} elements",
+                         help="True or False for each of them")
+    if gone.dtype != bool and not np.isin(gone, (0, 1)).all():
+        raise UsageError("trim says True or False for each element, and gives others",
+                         help="distances, as of signed_plane, are a cut: cut=... divides elements, "
+                              "trim=beyond_plane(...) takes whole ones")
+    gone = gone.astype(bool)
+    _refuse_nothing_left(gone)
+    return gone
+
+
+def _levels(cut: Callable[[NDArray], NDArray]) -> Callable[[NDArray], NDArray]:
+    """A cut, with what it gives looked at."""
+    if not callable(cut):
+        raise UsageError(f"cut is a function of places, not {cut!r}", help="signed_plane(...)")
+
+    def level(places):
+        value = np.asarray(cut(places))
+        if value.shape != (len(places),):
+            raise UsageError(f"cut gives a table of shape {value.shape} for {len(places)} places",
+                             help="a number for each of them")
+        if value.dtype.kind not in "fiu" or not np.isfinite(value).all():
+            raise UsageError("cut gives what is no number", help="a distance for each place, "
+                             "positive in what is taken out, as signed_plane does; what says True "
+                             "or False is a trim")
+        return value.astype(float)
+    return level
 
 
 def _refuse_nothing_left(gone: NDArray) -> None:

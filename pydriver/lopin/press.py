@@ -31,7 +31,7 @@ class Crank:
     turns: float
 
     def __post_init__(self):
-        if not 0.0 < self.radius < self.rod or not self.turns > 0.0:
+        if not 0.0 < self.radius < self.rod < np.inf or not 0.0 < self.turns < np.inf:
             raise UsageError(f"no crank has radius {self.radius:g}, rod {self.rod:g} and "
                              f"{self.turns:g} turns", help="0 < radius < rod, turns > 0")
 
@@ -65,6 +65,11 @@ class Crank:
     def amplitude(self, travel: float, points: int = 41, name: str = "CRANK") -> tuple[str, float]:
         """The card *AMPLITUDE of the last `travel` down to the lowest place, a share of it over
         time, and the period that the step has [time]."""
+        if not 0.0 < travel <= 2.0*self.radius:
+            raise UsageError(f"no crank of radius {self.radius:g} moves by a last {travel:g}",
+                             help=f"above 0, at most {2.0*self.radius:g}")
+        if not points >= 2:
+            raise UsageError(f"an amplitude has at least 2 points, not {points}")
         angle = np.linspace(self.angle(travel), 0.0, points)
         time = (angle[0] - angle)/(2.0*np.pi*self.turns)
         share = 1.0 - self.height(angle)/travel
@@ -80,7 +85,8 @@ class Blow:
     ----------
     stroke : where the energy was spent [length]
     force : of the tool there [force]
-    way, work : after each increment: stroke, and what the tool has done [length], [energy]
+    way, work : after each increment: stroke, and what the tool has done [length], [energy]; of the
+        last one, what lies beyond the energy belongs to the next blow
     spent : the energy was spent before the deck ended
     """
 
@@ -96,7 +102,10 @@ def blow(job: Job, tool: str, direction: int, energy: float) -> Blow:
 
     Between increments the force is linear in the way: `stroke` is where its integral is the energy.
     Increments are to follow the first rise of the force.
-    A job that was stopped by one blow goes on with the next: energies count from where it stands.
+    A job that was stopped by one blow goes on with the next from the `stroke` of the last: what its
+    last increment did beyond it counts for the next, which may need none of its own. Strokes and
+    energies of blows that follow one another add up whatever the increments. After increments
+    between them, they count from where the job stands.
 
     Parameters
     ----------
@@ -105,13 +114,13 @@ def blow(job: Job, tool: str, direction: int, energy: float) -> Blow:
     direction : 1 to 3, of the motion
     energy : of the blow, what reaches the metal
     """
-    if not energy > 0.0:
+    if not 0.0 < energy < np.inf:
         raise UsageError(f"a blow has an energy above 0, not {energy:g}")
     names = [f"{tool}.u{direction}", f"{tool}.rf{direction}"]
-    at = np.array([_last(job, names)]) if len(job.result.times) else np.zeros((1, 2))
+    at, surplus = _start(job, names)
     work, spent = [0.0], False
-    while not spent and job.advance() is not None:
-        at = np.vstack([at, _last(job, names)])
+    while not spent and (surplus or job.advance() is not None):
+        at, surplus = np.vstack([at, _last(job, names)]), False
         work.append(work[-1] + 0.5*at[-2:, 1].sum()*np.diff(at[-2:, 0])[0])
         spent = work[-1] >= energy
     way = np.abs(at[:, 0] - at[0, 0])
@@ -119,7 +128,23 @@ def blow(job: Job, tool: str, direction: int, energy: float) -> Blow:
     if spent:
         stroke, force = _where(way[-2:], np.abs(at[-2:, 1]), energy - work[-2])
         force = float(np.copysign(force, at[-1, 1]))
+        place = at[0, 0] + np.copysign(stroke, at[-1, 0] - at[0, 0])
+        job.blows[names[0]] = (len(job.result.times), float(place), force)
     return Blow(stroke, force, way, np.array(work), spent)
+
+
+def _start(job: Job, names: list[str]) -> tuple[NDArray, bool]:
+    """Place and force where a blow begins (1, 2), and whether the job stands beyond, by the last
+    increment of the blow before."""
+    count = len(job.result.times)
+    if count:
+        here = _last(job, names)
+        ended, *there = job.blows.get(names[0], (0, *here))
+        return np.array([there if ended == count else here]), ended == count
+    if job.has_begun:
+        raise UsageError("a job that goes on from a state does not know where its tools stand",
+                         help="take one increment before the blow: job.advance()")
+    return np.zeros((1, 2)), False
 
 
 def _last(job: Job, names: list[str]) -> list[float]:
@@ -153,6 +178,12 @@ def times_of_blow(way: ArrayLike, work: ArrayLike, energy: float, mass: float) -
     energy, mass : of the ram where it meets the metal
     """
     way, work = np.asarray(way, float), np.asarray(work, float)
+    if not (0.0 < mass < np.inf and 0.0 < energy < np.inf):
+        raise UsageError(f"a hammer has a mass and an energy above 0, not {mass:g} and {energy:g}")
+    if way.ndim != 1 or way.shape != work.shape or not np.isfinite([way, work]).all() or \
+            (np.diff(way) < 0.0).any():
+        raise UsageError("way and work are rows of numbers, as many of the one as of the other, "
+                         "and the way does not fall")
     speed = np.sqrt(np.maximum(2.0*(energy - work)/mass, 0.0))
     mean = 0.5*(speed[1:] + speed[:-1])
     if not (mean > 0.0).all():

@@ -16,7 +16,7 @@ from .errors import ModelError
 from .job import Job
 from .material_cards import before_steps, of_body, temperatures_of
 from .model_read_mesh import plain
-from .operation import Carried, measures_of, refuse_ended
+from .operation import Carried, measures_of, refuse_ended, taken_out
 
 #: Length of the increment at rest, by the period of the step.
 REST = 1e-8
@@ -83,10 +83,7 @@ def _gone(job: Job, named, members: list[int], motion: NDArray, trim):
         if dof <= ndim and int(label) in place:
             place[int(label)][int(dof) - 1] += moved
     centre = np.array([np.mean([place[n] for n in named.elements[m][1]], axis=0) for m in members])
-    gone = np.zeros(len(members), bool) if trim is None else np.asarray(trim(centre), bool)
-    if gone.all():
-        raise ModelError("the cut takes all elements out", help="the other side of it stays")
-    return gone, measures_of(job.points, members)
+    return taken_out(trim, centre), measures_of(job.points, members)
 
 
 def _mesh(named, members: list[int], stay: set[int]) -> list[Block]:

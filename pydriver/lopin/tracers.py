@@ -80,8 +80,17 @@ def read_starts(text: str) -> NDArray:
     except ValueError as problem:
         raise UsageError(f"the places of tracers cannot be read: {problem}",
                          help="a line for each tracer: its coordinates") from problem
-    if places.ndim != 2 or places.shape[1] not in (2, 3):
+    return _checked(places)
+
+
+def _checked(places: NDArray) -> NDArray:
+    """Places of tracers that are some."""
+    if places.ndim != 2 or places.shape[1] not in (2, 3) or len(places) == 0:
         raise UsageError("a tracer has two or three coordinates, the same number in every line")
+    lost = np.flatnonzero(~np.isfinite(places).all(axis=1))
+    if len(lost):
+        raise UsageError(f"tracer {lost[0] + 1} has a coordinate that is no finite number: "
+                         + ", ".join(f"{v:g}" for v in places[lost[0]]))
     return places
 
 
@@ -90,6 +99,12 @@ def simplices(mesh, ndim: int) -> NDArray:
     solid = {2: ("triangle", "quad"), 3: ("tetra", "hexahedron")}[ndim]
     found = [np.asarray(block.data)[:, list(rows)] for block in mesh.cells
              for kind in solid if block.type.startswith(kind) for rows in _CUT[kind]]
+    flat = {name: any(block.type.startswith(kinds) for block in mesh.cells) for name, kinds in
+            ((2, ("triangle", "quad")), (3, ("tetra", "hexahedron", "wedge")))}
+    if not found and flat[5 - ndim]:
+        raise UsageError(f"tracers have {ndim} coordinates, the run has {5 - ndim}",
+                         help=f"{'xyz'[:5 - ndim]} in every line" if ndim == 2 else
+                         "two in every line: x, y, or r, z around an axis")
     if not found:
         raise UsageError("tracers run in triangles, quads, tetrahedra and hexahedra")
     return np.vstack(found)
@@ -121,7 +136,7 @@ def tracks(folder: str | Path, name: str, starts: ArrayLike) -> Tracks:
     folder, name : of the results: folder/name.pvd
     starts : places of the tracers before the run (tracer, ndim) [length]
     """
-    here = np.atleast_2d(np.asarray(starts, float))
+    here = _checked(np.atleast_2d(np.asarray(starts, float)))
     times, found, outside, mesh, known = [0.0], [here], 0.0, None, None
     for time, path in outputs(Path(folder), name):
         now = read_vtu(path)
@@ -130,6 +145,8 @@ def tracks(folder: str | Path, name: str, starts: ArrayLike) -> Tracks:
             mesh, cells = x, simplices(now, here.shape[1])
             owner, share, off = within(x, cells, here)
             known, outside = (cells[owner], share), max(outside, off)
+        if "U" not in now.point_data:
+            raise UsageError(f"'{path}' has no displacements", help="ask for them: *NODE OUTPUT, U")
         moved = x + np.asarray(now.point_data["U"], float)[:, :here.shape[1]]
         here = np.einsum("tk,tkd->td", known[1], moved[known[0]])
         times.append(time)

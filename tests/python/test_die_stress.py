@@ -154,3 +154,90 @@ def test_a_die_of_bricks_takes_forces_and_moments_of_a_pressed_block(core):
         die_deck(die, "bore", loads)
     with pytest.raises(ModelError, match="no surface 'FACE'"):
         die_deck(die, "FACE", loads)
+
+
+#: *TRANSFORM of the bore, of all nodes, of what is held; in the plane and in space.
+TURNED = [("ring", "LEFT", "R", "0.8, 0.6, 0., -0.6, 0.8, 0."),
+          ("ring", "LEFT", "R", "0., 1., 0., -1., 0."),
+          ("plane", "LEFT", "C", "3., 4., 0., 3., 4., 1."),
+          ("plane", "ALL", "C", "10., 4., 0., 10., 4., -2."),
+          ("plane", "ALL", "R", "1., 2., 0., -2., 1., 0."),
+          ("bricks", "BOTTOM", "R", "1., 2., 0.5, -2., 1., 1."),
+          ("bricks", "BOTTOM", "C", "1., -2., 0., 2., 1., 3."),
+          ("bricks", "ALL", "C", "2., 2., 0., 2., 2., 1.")]
+
+
+def die_of(kind, more=""):
+    """A die clamped along a side, loads of any directions on another."""
+    rng = np.random.default_rng(3)
+    if kind == "bricks":
+        mesh, word, faces, held = mesh_make.block((4.0, 4.0, 2.0), (4, 4, 1)), "C3D8", "BOTTOM", "TOP"
+        place = np.column_stack([rng.uniform(0.0, 4.0, (20, 2)), np.zeros(20)])
+    else:
+        mesh = mesh_make.block((OUT - BORE, TALL), (5, 4), origin=(BORE, 0.0))
+        word, faces, held = "CAX4" if kind == "ring" else "CPE4", "LEFT", "RIGHT"
+        place = np.column_stack([np.full(20, BORE), rng.uniform(0.0, TALL, 20)])
+    every = "*NSET, NSET=ALL, GENERATE\n" + f"1, {len(mesh.points)}\n"
+    text = mesh_cards(mesh, word, faces) + every + f"""*MATERIAL, NAME=M
+*ELASTIC
+{YOUNG}, {NU}
+*SOLID SECTION, ELSET=BODY, MATERIAL=M
+{more}*BOUNDARY
+{held}, 1, {mesh.points.shape[1]}
+*STEP
+*STATIC
+*END STEP
+"""
+    loads = ToolLoads("DIE", place, rng.normal(1.0, 2.0, size=place.shape))
+    return lopin.Deck.parse(text, name="die"), loads
+
+
+@pytest.mark.parametrize("kind, names, axes, points", TURNED)
+def test_loads_are_meant_in_the_axes_of_their_nodes(core, kind, names, axes, points):
+    """A die with *TRANSFORM moves as one without, and its supports bear the told force."""
+    plain, loads = die_of(kind)
+    turned, _ = die_of(kind, f"*TRANSFORM, NSET={names}, TYPE={axes}\n{points}\n")
+    expected = lopin.run(die_deck(plain, "BORE", loads)[0])
+    deck, balance = die_deck(turned, "BORE", loads)
+    found = lopin.run(deck)
+    assert found["displacement"] == pytest.approx(
+        expected["displacement"], rel=1e-9, abs=1e-9*np.abs(expected["displacement"]).max())
+    if kind != "ring":
+        assert found["reaction"].sum(axis=0) == pytest.approx(-balance.force, rel=1e-9)
+    else:
+        assert found["reaction"][:, 1].sum() == pytest.approx(-balance.force[1], rel=1e-9)
+
+
+def test_the_last_transform_of_a_node_counts(core):
+    plain, loads = die_of("plane")
+    deck, _ = die_of("plane", "*TRANSFORM, NSET=ALL\n1., 2., 0., -2., 1., 0.\n"
+                              "*TRANSFORM, NSET=LEFT, TYPE=C\n0., 0., 0., 0., 0., 1.\n")
+    found, expected = (lopin.run(die_deck(d, "BORE", loads)[0])["displacement"] for d in (deck, plain))
+    assert found == pytest.approx(expected, abs=1e-9*np.abs(expected).max())
+    bad, _ = die_of("plane", "*TRANSFORM, NSET=ALL\n1., 0., 0., 2., 0., 0.\n")
+    with pytest.raises(ModelError, match="give no axes"):
+        die_deck(bad, "BORE", loads)
+
+
+def test_all_pairs_of_a_tool_are_taken_or_named(core, tmp_path, capsys):
+    """A wall that two surfaces of the disc press: by halves of its height."""
+    from lopin.__main__ import main
+
+    text = confined().text()
+    cut = "*SURFACE, NAME=SKIN\nBODY,\n"
+    assert cut in text
+    halves = "".join(f"*SURFACE, NAME={name}\n" + "".join(
+        f"{row*10 + 10}, S2\n" for row in rows) for name, rows in (("LOW", range(3)), ("UP", range(3, 8))))
+    halves += "*SURFACE, NAME=LID\n" + "".join(f"{71 + k}, S3\n" for k in range(10))
+    text = text.replace(cut, halves).replace("SKIN, WALL\nSKIN, PUNCH", "LOW, WALL\nUP, WALL\nLID, PUNCH")
+    result = lopin.run(lopin.Deck.parse(text, name="confined"), tmp_path/"forging")
+    whole, low, up = (ToolLoads.of(result, pair) for pair in (None, "LOW", "UP"))
+    assert whole.force.sum(axis=0) == pytest.approx(low.force.sum(axis=0) + up.force.sum(axis=0))
+    assert min(low.force[:, 0].sum(), up.force[:, 0].sum()) > 0.3*whole.force[:, 0].sum()
+    assert (whole.left_out, low.left_out, up.left_out) == ((), ("UP-WALL",), ("LOW-WALL",))
+    ring().write(tmp_path/"ring.inp")
+    words = ["die", str(tmp_path/"forging"), str(tmp_path/"ring.inp"), "--surface", "BORE",
+             "-o", str(tmp_path/"loaded.inp")]
+    assert main(words) == 0 and "WALL (LOW-WALL, UP-WALL): force" in capsys.readouterr().out
+    assert main([*words, "--pair", "UP"]) == 0
+    assert "WALL, without LOW-WALL: force" in capsys.readouterr().out

@@ -99,3 +99,11 @@ def test_what_is_no_bead_is_refused(change, message):
     given = {"line": (17.0, 1.0), "force": 1.0, "width": 4.0, "faces": (0.0, -1.0)} | change
     with pytest.raises(ModelError, match=message):
         drawbead("BEAD", given.pop("line"), sheet="TOP", node=1, element=1, **given)
+
+
+def test_the_cards_of_a_bead_stand_before_another_card(core):
+    """Pasted before a card as they are."""
+    cards = drawbead("BEAD", (17.0, 1.0), force=1.0, width=4.0, faces=(0.0, -1.0), sheet="TOP",
+                     node=9000, element=9000)
+    assert cards.endswith("TOP, BEAD\n") and "\n\n" not in cards
+    assert lopin.Deck.parse(cards + "*STEP\n*END STEP\n").blocks[-2].keyword == "STEP"

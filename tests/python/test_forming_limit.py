@@ -135,3 +135,76 @@ def test_a_normal_across_the_plane_of_a_mesh_and_one_that_is_none():
     for wrong in ((0.0, 0.0), (1.0,), (0.0, np.nan, 1.0)):
         with pytest.raises(lopin.UsageError, match="is no normal"):
             sheet_strains(mesh, x, normal=wrong)
+
+
+def turn(angles):
+    a, b, c = angles
+    about = [np.array([[np.cos(t), -np.sin(t), 0], [np.sin(t), np.cos(t), 0], [0, 0, 1]]) for t in
+             (a, b, c)]
+    return about[0] @ about[1][np.ix_([0, 2, 1], [0, 2, 1])] @ about[2]
+
+
+def blank(kind, slant):
+    """A flat blank across z: cells and places; its rim leans by `slant` along x."""
+    mesh = mesh_make.block((10.0, 8.0, 0.8), (5, 4, 2))
+    if kind == "tetra":
+        mesh = mesh_make.simplices(mesh)
+    x = mesh.points*[1.0, 1.0, 1.0]
+    x[:, 0] += slant*x[:, 2]
+    blocks = mesh.blocks
+    if kind == "wedge":
+        cells = blocks[0][1]
+        blocks = [("wedge", np.vstack([cells[:, [0, 1, 2, 4, 5, 6]], cells[:, [0, 2, 3, 4, 6, 7]]]))]
+    return x, blocks
+
+
+@pytest.mark.parametrize("angles", [(0.0, 0.0, 0.0), (0.0, np.pi/3, 0.0), (0.4, 1.1, -2.0),
+                                    (0.3, np.pi/2, 0.0), (1.0, 0.01, 0.2), (2.0, np.pi/4, 0.7)])
+@pytest.mark.parametrize("kind, slant", [("hexahedron", 0.0), ("hexahedron", 0.8), ("wedge", 0.0),
+                                         ("tetra", 0.0), ("tetra", -0.5)])
+def test_a_blank_that_lies_inclined_has_the_normal_of_its_faces(angles, kind, slant):
+    x, blocks = blank(kind, slant)
+    q = turn(angles)
+    f = q @ np.array([[1.2, 0.05, 0.3], [0.05, 0.95, -0.1], [0.0, 0.0, 0.9]]) @ q.T
+    places = x @ q.T
+    mesh = SimpleNamespace(points=places, cells=[SimpleNamespace(type=n, data=c) for n, c in blocks])
+    found = sheet_strains(mesh, places @ f.T - places)
+    given = sheet_strains(mesh, places @ f.T - places, normal=q[:, 2])
+    assert found.major == pytest.approx(given.major, rel=1e-9)
+    assert found.minor == pytest.approx(given.minor, rel=1e-9)
+    small, large = np.linalg.eigvalsh(np.array([[1.2, 0.05], [0.05, 0.95]]))
+    assert found.major == pytest.approx(np.log(large), rel=1e-9)
+    assert found.minor == pytest.approx(np.log(small), rel=1e-9)
+    is_axis = np.abs(q[:, 2]).max() > 1.0 - 1e-9
+    assert ("the normal of the blank is" in found.line()) == (not is_axis)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.5, 1.5707963267948966, 2.5])
+def test_a_strip_that_lies_inclined_in_its_plane(angle):
+    mesh = mesh_make.block((10.0, 0.5), (8, 2))
+    q = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    x = mesh.points @ q.T
+    f = q @ np.diag([1.1, 1.0/1.1]) @ q.T
+    found = sheet_strains(SimpleNamespace(points=x, cells=[SimpleNamespace(
+        type=n, data=c) for n, c in mesh.blocks]), x @ f.T - x)
+    assert found.major == pytest.approx(np.log(1.1)) and found.minor == pytest.approx(0.0, abs=1e-14)
+
+
+@pytest.mark.parametrize("radius, bent", [(2.0, True), (8.0, True), (30.0, True), (1e4, False)])
+def test_a_blank_that_is_bent_at_the_start_is_told(radius, bent):
+    x, blocks = blank("hexahedron", 0.0)
+    angle = x[:, 0]/radius
+    rolled = np.column_stack([(radius + x[:, 2])*np.sin(angle), x[:, 1],
+                              (radius + x[:, 2])*np.cos(angle)])
+    mesh = SimpleNamespace(points=rolled, cells=[SimpleNamespace(type=n, data=c) for n, c in blocks])
+    assert ("bent at the start" in sheet_strains(mesh, 0.0*rolled + 0.01*rolled).line()) == bent
+
+
+def test_a_channel_is_no_flat_blank():
+    """A bottom and two walls of quads: faces along two axes only."""
+    mesh = mesh_make.block((10.0, 10.0), (20, 20))
+    cells = mesh.blocks[0][1]
+    middle = mesh.points[cells].mean(axis=1)
+    keep = (middle[:, 0] < 0.5) | (middle[:, 0] > 9.5) | (middle[:, 1] < 0.5)
+    channel = SimpleNamespace(points=mesh.points, cells=[SimpleNamespace(type="quad", data=cells[keep])])
+    assert "bent at the start" in sheet_strains(channel, 0.01*mesh.points).line()

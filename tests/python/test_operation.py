@@ -257,3 +257,43 @@ def test_what_cannot_go_along_is_told_by_its_card(core):
         for call in (next_operation, next_on_same_mesh):
             with pytest.raises(lopin.UsageError, match="(?s)has ended.*inside the loop"):
                 call(job, "B", FREE, name="late")
+
+
+@pytest.mark.parametrize("point, normal", [((1.0, 0.0), (0.0, 0.0)), ((1.0, np.nan), (1.0, 0.0)),
+                                           ((1.0, 0.0), (np.inf, 0.0)), ((1.0, 0.0), (np.nan, 1.0)),
+                                           ((1.0, 0.0), (1.0, 0.0, 0.0)), (1.0, 2.0),
+                                           ((1.0,), (1.0,))])
+@pytest.mark.parametrize("plane", [beyond_plane, signed_plane])
+def test_what_is_no_plane_is_refused(plane, point, normal):
+    with pytest.raises(lopin.UsageError, match="no plane goes through"):
+        plane(point, normal)
+    with pytest.raises(lopin.UsageError, match="2 coordinates, the body 3"):
+        plane((1.0, 0.0), (1.0, 0.0))(np.zeros((4, 3)))
+
+
+@pytest.mark.parametrize("options, message", [
+    ({"cut": lambda x: np.full(len(x), np.nan)}, "what is no number"),
+    ({"cut": lambda x: x[:, 0] > 2.0}, "(?s)what is no number.*is a trim"),
+    ({"cut": lambda x: np.array(["a"]*len(x))}, "what is no number"),
+    ({"cut": lambda x: x}, "cut gives a table of shape"),
+    ({"cut": lambda x: 1.0}, "cut gives a table of shape"),
+    ({"cut": lambda x: np.ones(len(x) + 1)}, "cut gives a table of shape"),
+    ({"cut": 3.0}, "cut is a function of places"),
+    ({"trim": lambda x: x[:, 0] - 2.0}, "(?s)True or False.*are a cut"),
+    ({"trim": lambda x: np.full(len(x), np.nan)}, "True or False"),
+    ({"trim": lambda x: np.array(["a"]*len(x))}, "True or False"),
+    ({"trim": lambda x: x > 2.0}, "trim gives a table of shape"),
+    ({"trim": lambda x: True}, "trim gives a table of shape"),
+    ({"trim": "LEFT"}, "trim is a function of places"),
+    ({"trim": signed_plane((4.0, 0.0), (1.0, 0.0))}, "cut=... divides")])
+def test_what_is_no_cut_is_refused_by_what_it_gives(core, options, message):
+    """Each names the kind that was meant; a job goes on after it."""
+    with lopin.open(disc(cells=(2, 2))) as job:
+        job.advance()
+        with pytest.raises(lopin.UsageError, match=message):
+            next_operation(job, "B", FREE, name="second", **options)
+        if "trim" in options:
+            with pytest.raises(lopin.UsageError, match=message):
+                next_on_same_mesh(job, "B", FREE, name="second", **options)
+        assert next_operation(job, "B", FREE, name="second",
+                              trim=lambda x: (x[:, 0] > 2.5).astype(int))[1].gone == 2

@@ -81,6 +81,58 @@ def test_a_blow_ends_where_its_energy_is_spent(core):
             blow(job, "RAM", 2, 1.0)
 
 
+@pytest.mark.parametrize("largest", [0.02, 0.05, 0.2])
+@pytest.mark.parametrize("blows", [3, 10, 40])
+def test_blows_add_up_whatever_the_increments(core, largest, blows):
+    """Strokes of blows end where one blow of all their energy does: surpluses are not forgotten."""
+    deck, energy = billet(), work_of_pressing(2.0)
+    deck["STATIC"].data[0][-1] = largest
+    with lopin.open(deck) as job:
+        one = blow(job, "PLATE", 2, energy)
+    with lopin.open(deck) as job:
+        done = [blow(job, "PLATE", 2, energy/blows) for _ in range(blows)]
+        # The last increment of them all may go beyond; none of a blow before is beyond the stroke.
+        beyond = -job.result.history["PLATE.u2"][-1] - sum(b.stroke for b in done)
+        assert 0.0 <= beyond <= 3.0*largest + 1e-9
+    assert all(b.spent and b.way[0] == 0.0 for b in done)
+    assert sum(b.stroke for b in done) == pytest.approx(one.stroke, rel=1e-6)
+    assert done[-1].force == pytest.approx(one.force, rel=1e-6)
+    assert one.stroke == pytest.approx(2.0, rel=0.02)
+
+
+def test_increments_between_blows_and_states_begin_anew(core):
+    with lopin.open(billet()) as job:
+        blow(job, "PLATE", 2, work_of_pressing(1.0))
+        job.advance()
+        more = blow(job, "PLATE", 2, 1.0)
+        assert more.way[0] == 0.0 and len(more.way) == 2
+        state = job.state
+    with lopin.open(billet(), state=state) as job:
+        with pytest.raises(lopin.UsageError, match="where its tools stand"):
+            blow(job, "PLATE", 2, 1.0)
+        job.advance()
+        assert blow(job, "PLATE", 2, work_of_pressing(0.1)).stroke < 0.1
+
+
+@pytest.mark.parametrize("ask, message", [
+    (lambda: Crank(50.0, 300.0, 1.0).amplitude(0.0), "a last 0"),
+    (lambda: Crank(50.0, 300.0, 1.0).amplitude(-3.0), "a last -3"),
+    (lambda: Crank(50.0, 300.0, 1.0).amplitude(101.0), "a last 101"),
+    (lambda: Crank(50.0, 300.0, 1.0).amplitude(np.nan), "a last nan"),
+    (lambda: Crank(50.0, 300.0, 1.0).amplitude(20.0, 1), "at least 2 points, not 1"),
+    (lambda: Crank(50.0, 300.0, np.nan), "nan turns"),
+    (lambda: Crank(50.0, np.inf, 1.0), "rod inf"),
+    (lambda: times_of_blow([0.0, 1.0], [0.0, 1.0], 5.0, 0.0), "not 0 and 5"),
+    (lambda: times_of_blow([0.0, 1.0], [0.0, 1.0], np.inf, 1.0), "not 1 and inf"),
+    (lambda: times_of_blow([0.0, 1.0, 0.5], [0.0, 1.0, 2.0], 5.0, 1.0), "does not fall"),
+    (lambda: times_of_blow([0.0, np.nan], [0.0, 1.0], 5.0, 1.0), "rows of numbers"),
+    (lambda: times_of_blow([0.0, 1.0], [0.0], 5.0, 1.0), "as many of the one"),
+    (lambda: times_of_blow(1.0, 1.0, 5.0, 1.0), "rows of numbers")])
+def test_nonsense_is_refused_by_what_it_is(ask, message):
+    with pytest.raises(lopin.UsageError, match=message):
+        ask()
+
+
 def test_a_blow_that_the_deck_does_not_take_says_so(core):
     with lopin.open(billet()) as job:
         done = blow(job, "PLATE", 2, 1e9)

@@ -3,6 +3,7 @@ mesher that fails loses nothing."""
 import builtins
 import json
 import shutil
+import sys
 
 import numpy as np
 import pytest
@@ -306,3 +307,25 @@ def test_a_mesher_that_fails_without_a_word_is_named(harm, said, tmp_path, monke
     monkeypatch.setattr(planar, "fill", lambda *given: harm(*fill(*given)))
     with pytest.raises(lopin.ModelError, match=said):
         run(block("CAX4", travel=-0.5, card="PERIOD=.3, STRAIN=10."), tmp_path)
+
+
+@pytest.mark.parametrize("package, word", [("gmsh", "CAX4"), ("gmsh", "CPE3"), ("mmgpy", "C3D4"),
+                                           ("scipy", "CAX4"), ("scipy", "C3D4")])
+def test_a_missing_mesher_is_told_before_the_run(package, word, core, tmp_path, monkeypatch):
+    """With the extra that brings all of them; decks that make no mesh need none."""
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(lopin.MissingPackageError,
+                       match=rf"(?s)E0620: new meshes need {package}\n.*lopin\[remesh\]"):
+        run(block(word), tmp_path/"no")
+    assert not (tmp_path/"no").exists()
+    run(block(word, card="MOST=0", travel=-0.1, increments=2), tmp_path/"none")
+
+
+@pytest.mark.parametrize("word, instead", [
+    ("C3D8", "in space take C3D4"), ("C3D8I", "in space take C3D4"), ("CPS4", "take CPE4 or CPE3"),
+    ("CPS3", "plane stress"), ("CAX4I", "take CAX4 or CAX3"), ("CPE4I", "take CPE4 or CPE3")])
+def test_elements_that_no_new_mesh_is_made_of_are_told_what_to_take(word, instead, core, tmp_path):
+    like = "C3D8" if word.startswith("C3D") else {"3": "CPE3"}.get(word[3], "CPE4")
+    text = block(like).text().replace(f"TYPE={like}", f"TYPE={word}")
+    with pytest.raises(lopin.ModelError, match=f"(?s)E0621.*not of {word}.*help: .*{instead}"):
+        run(lopin.Deck.parse(text, name="block"), tmp_path)

@@ -1,4 +1,7 @@
 """Tracers beside closed forms, over meshes that are made anew."""
+import re
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -7,6 +10,7 @@ pytest.importorskip("scipy")
 from test_point_states import NORTON  # noqa: E402
 from test_remeshing import block, run  # noqa: E402
 
+import lopin  # noqa: E402
 from lopin.__main__ import main  # noqa: E402
 from lopin.tracers import outputs, simplices, tracks, within  # noqa: E402
 from lopin.vtu import read_vtu  # noqa: E402
@@ -47,3 +51,24 @@ def test_the_simplex_of_a_place_and_how_far_outside_one_is():
     assert np.einsum("pk,pkd->pd", share, x[cells[owner]]) == pytest.approx(
         np.array([[0.75, 0.25], [0.25, 0.75]]))
     assert within(x, cells, np.array([[1.2, 0.5]]))[2] == pytest.approx(0.2)
+
+
+@pytest.mark.parametrize("starts, message", [
+    ("1., 1.\n2., nan\n", "tracer 2 has a coordinate that is no finite number: 2, nan"),
+    ("inf, 1.\n", "tracer 1 has a coordinate"), ("", "two or three coordinates"),
+    ("1.\n", "two or three coordinates"), ("1., 1., 0.\n", "(?s)3 coordinates, the run has 2.*r, z"),
+    ("1., one\n", "cannot be read"), ("1., 1.\n1., 1., 1.\n", "cannot be read")])
+def test_places_that_no_tracer_can_have_are_told(core, tmp_path, capsys, starts, message):
+    scene = block("CAX4", law=NORTON, card="PERIOD=.4", increments=2).text()
+    lopin.run(lopin.Deck.parse("\n".join(line for line in scene.splitlines()
+                                         if not line.startswith("*REMESH")), name="block"), tmp_path)
+    (tmp_path/"starts.csv").write_text(starts)
+    assert main(["tracers", str(tmp_path), "--starts", str(tmp_path/"starts.csv")]) == 2
+    said = capsys.readouterr().err
+    assert re.search(message, said), said
+
+
+def test_tracers_with_too_few_coordinates_are_told():
+    mesh = SimpleNamespace(cells=[SimpleNamespace(type="tetra", data=np.arange(4)[None])])
+    with pytest.raises(lopin.UsageError, match="(?s)have 2 coordinates, the run has 3.*xyz in every"):
+        simplices(mesh, 2)

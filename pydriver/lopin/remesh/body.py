@@ -21,6 +21,9 @@ WORDS = {"CPE4": "quad", "CAX4": "quad", "CPE4R": "quad", "CAX4R": "quad", "CPE3
          "CAX3": "triangle", "C3D4": "tetra"}
 #: The word of the simplices that are left over between quads.
 SIMPLEX = {"CPE4": "CPE3", "CAX4": "CAX3", "CPE4R": "CPE3", "CAX4R": "CAX3"}
+#: What to take for words that no new mesh is made of.
+_INSTEAD = {"C3D": "in space take C3D4", "CAX": "take CAX4 or CAX3", "CPE": "take CPE4 or CPE3",
+            "CPS": "take CPE4 or CPE3, of plane strain: no new mesh is made in plane stress"}
 #: Cosine of an axis with one of the global ones that it is along.
 ALONG = 1.0 - 1e-9
 #: Cards that put displacements, loads or couplings on nodes.
@@ -219,7 +222,8 @@ def read_body(parts: DeckParts, elset: str) -> Body:
     if not word or words - {word, SIMPLEX.get(word, word)}:
         raise refused(f"*REMESH makes meshes of one of {', '.join(WORDS)}, not of "
                       f"{', '.join(sorted(words))}",
-                      "take linear elements without internal modes")
+                      next((told for begin, told in _INSTEAD.items()
+                            if any(w.startswith(begin) for w in words)), ""))
     ndim = 3 if WORDS[word] == "tetra" else 2
     used = list(dict.fromkeys(n for m in members for n in cards.elements[m][1]))
     _refuse_shared(parts, set(members), set(used), elset)

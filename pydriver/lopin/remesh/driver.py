@@ -23,7 +23,7 @@ from .card import RemeshCard
 from .join import has_whole_results
 from .part import Clock, at_nodes
 from .plane import worst_corner
-from .refusals import refuse_shared_elements, refuse_what_stays_behind
+from .refusals import refuse_missing_mesher, refuse_shared_elements, refuse_what_stays_behind
 from .remake import remake
 from .report import Remesh, Report
 from .scrap import pieces
@@ -86,6 +86,8 @@ class Runner:
             refuse_what_stays_behind(parts, body)
             self.cards[card.elset] = replace(card.filled(body), cuts=cuts_of(parts.blocks))
         self.most = max(card.most for card in cards)
+        if self.most and not (resume or replay):
+            refuse_missing_mesher(bodies)
         self.made: dict[str, Made] = {}
         self.report = Report(deck.name, self.output)
 

@@ -61,7 +61,7 @@ def fill(outline: Outline, size: Sizes, quads: bool, apart: NDArray | None = Non
 def load_gmsh():
     """gmsh, or what is missing for it."""
     try:
-        return optional("gmsh", "new meshes")
+        return optional("gmsh", "new meshes", "remesh", "E0620")
     except OSError as problem:   # a library of the system
         raise ResourceError(f"gmsh cannot be loaded: {problem}",
                             help="on Debian: apt-get install libglu1-mesa libxft2 libxcursor1 "

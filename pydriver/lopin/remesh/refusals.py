@@ -2,9 +2,11 @@
 from __future__ import annotations
 
 from ..deck import Block
+from ..errors import optional
 from ..material_cards import beyond_points, labels_of, of_materials, sections_of, word_of
 from ..model_read_mesh import plain
 from .body import Body, DeckParts, held_dofs, held_in, pair_names, refused
+from .plane import load_gmsh
 
 #: Cards that belong to the nodes or elements of the first mesh, and what to do instead.
 _CARDS = {"TEMPERATURE": "heat is not carried to a new mesh",
@@ -187,6 +189,15 @@ def _refuse_itself(parts: DeckParts, body: Body) -> None:
         if any(b.keyword == "DAMAGE" and "CRITICAL" in b.parameters for b in parts.blocks):
             raise refused("metal that separates cannot be in contact with itself in this version",
                           "leave the pair or CRITICAL out")
+
+
+def refuse_missing_mesher(bodies: list[Body]) -> None:
+    """What makes new meshes of bodies is there: asked before the run, not after its first part."""
+    optional("scipy", "new meshes", "remesh", "E0620")
+    if any(body.ndim == 2 for body in bodies):
+        load_gmsh()
+    if any(body.ndim == 3 for body in bodies):
+        optional("mmgpy", "new meshes", "remesh", "E0620")
 
 
 def refuse_shared_elements(bodies: list[Body]) -> None:
