@@ -123,9 +123,57 @@ def test_flat_sides_and_corners_stay():
     assert smallest_lift(block((1.0, 1.0, 1.0), (2, 2, 2))) == 0.0
 
 
+def outline(points, low=-4.0):
+    """Nodes and edges of the body below a line of points, the body on the left."""
+    x = np.array([*points[::-1], [points[0][0], low], [points[-1][0], low]], float)
+    return x, np.stack([np.arange(len(x)), np.roll(np.arange(len(x)), -1)], axis=1)
+
+
+@pytest.mark.parametrize("points", [
+    [(-4, -0.4), (0, 0), (4, -0.4)], [(-4, -0.8), (-2, -0.4), (0, 0), (2, -0.4), (4, -0.8)],
+    [(0, 0), (4, -0.4)], [(0, 0), (1, 0), (2, 0), (3, 0), (4, -0.25)], [(0, 0), (2, 0), (4, -0.6)],
+    [(-4, -0.5), (-2, 0), (2, 0), (4, -0.5)], [(-4, 0), (-1, 0), (1, -0.4), (4, -1.6)],
+    [(-4, 0), (-2, 0), (-1, 0), (1, -0.4), (4, -1.6), (5, -2.0)], [(-4, 0), (0, -0.6), (4, 0)]],
+    ids="roof roof_of_four half_roof chamfer cone two_chamfers slope slope_of_many valley".split())
+def test_corners_that_turn_by_little_stay(points):
+    """One turn, or two beside straight edges, are no arc: in the plane and as a prism in space, of
+    one, two and three layers."""
+    assert not lifts_in_plane(*outline(points)).any()
+    x = np.array(points, float)
+    for layers in (1, 2, 3):
+        mesh = extruded(block((1.0, 1.0), (len(x) - 1, 2)), 2.0, layers)
+        column = np.round(mesh.points[:, 0]*(len(x) - 1)).astype(int)
+        top = x[column, 1]
+        mesh.points[:, 0] = x[column, 0]
+        mesh.points[:, 1] = -4.0 + mesh.points[:, 1]*(4.0 + top)
+        assert smallest_lift(mesh) < 1e-12
+        assert smallest_lift(simplices(mesh)) < 1e-12
+
+
+@pytest.mark.parametrize("count", [2, 3, 4, 8])
+def test_arcs_that_end_at_planes_of_symmetry_are_arcs(count):
+    """Of two edges and more: pipes of one and two layers, of bricks and tetrahedra."""
+    mesh = ring(1.0, 1.2, (1, count), angles=(0.0, 50.0))
+    for layers in (1, 2):
+        made = extruded(mesh, 0.3, layers)
+        for cells in (made, simplices(made)):
+            faces = np.array([cells.face_nodes(*row) for row in cells.boundary()])
+            n = faces.shape[1]
+            edges = np.unique(np.sort(np.vstack([faces[:, [k, (k + 1) % n]] for k in range(n)]),
+                                      axis=1), axis=0)
+            middle = cells.points[edges].mean(axis=1) + lifts_in_space(cells.points, [faces], edges)
+            flat = np.abs(cells.points[edges][:, 0, 2] - cells.points[edges][:, 1, 2]) < 1e-9
+            radius = np.linalg.norm(cells.points[:, :2], axis=1)
+            for r in (1.0, 1.2):
+                own = flat & (np.abs(radius[edges] - r) < 1e-9).all(axis=1)
+                assert np.allclose(np.linalg.norm(middle[own, :2], axis=1), r, rtol=3e-3)
+
+
 def smallest_lift(mesh):
     faces = np.array([mesh.face_nodes(*row) for row in mesh.boundary()])
-    edges = np.unique(np.sort(np.vstack([faces[:, [0, 1]], faces[:, [1, 2]]]), axis=1), axis=0)
+    n = faces.shape[1]
+    edges = np.unique(np.sort(np.vstack([faces[:, [k, (k + 1) % n]] for k in range(n)]), axis=1),
+                      axis=0)
     return np.abs(lifts_in_space(mesh.points, [faces], edges)).max()
 
 
