@@ -215,6 +215,79 @@ def test_displacements_node_by_node_are_filled_in():
     assert all(np.isclose(v, -0.1*nodes[n][0]) for n, v in given.items())
 
 
+def held_as(word, rows, sets=()):
+    """Nodes held in each direction on the finer mesh of a block whose bottom is held by `rows`."""
+    deck = pressed(word, ["*DSLOAD", "BSTOP, P, 10."])
+    text = deck.text()
+    begin = text.index("*BOUNDARY")
+    cards = "".join(f"*NSET, NSET={name}\n" + ",\n".join(map(str, own)) + "\n"
+                    for name, own in sets)
+    text = text[:begin] + cards + "*BOUNDARY\n" + "\n".join(["BLEFT, 1", *rows]) + "\n" \
+        + text[text.index("*STEP"):]
+    finer = refined(refined(Deck.parse(text, name="held")).deck)
+    cards = MeshCards(finer.deck.blocks)
+    held = {}
+    for b in finer.deck.all("BOUNDARY"):
+        for row in b.data:
+            for d in range(row[1], (row[2] if len(row) > 2 and row[2] else row[1]) + 1):
+                held.setdefault(d, set()).update(cards.labels(row[0]))
+    return held, cards
+
+
+@pytest.mark.parametrize("word", ["CPE3", "CPE4", "CPE8", "C3D4", "C3D8"])
+def test_one_support_is_one_however_it_is_written(word):
+    """A bottom by a set; by labels of unlike fields, on one card or many; by labels and sets."""
+    axis = 3 if word.startswith("C3D") else 2
+    nodes = MeshCards(pressed(word, ["*DSLOAD", "BSTOP, P, 10."]).blocks)
+    bottom = sorted(set(nodes.nsets["BBOTTOM"]), key=lambda n: nodes.nodes[n])
+    x = {n: nodes.nodes[n][0] for n in bottom}
+    left, right = ([n for n in bottom if (x[n] <= 1.0) == side] for side in (True, False))
+    corner = next(n for n in bottom if x[n] == 0.0)
+    both = f"{axis}, {axis}"
+    ways = {
+        "labels": ([f"{n}, {axis}" if k % 2 else f"{n}, {both}" for k, n in enumerate(bottom)], ()),
+        "cards": ([f"{n}, {both}\n*BOUNDARY" for n in bottom[:-1]] + [f"{bottom[-1]}, {axis}"], ()),
+        "corner": ([f"{corner}, 1, {axis}"] + [f"{n}, {axis}" for n in bottom if n != corner], ()),
+        "label and set": ([f"{corner}, {both}", f"REST, {axis}"],
+                          [("REST", [n for n in bottom if n != corner])]),
+        "three sets": ([f"{name}, {axis}" for name in ("COLD", "LOW", "HIGH")],
+                       [("COLD", [corner]), ("LOW", left), ("HIGH", right)]),
+        "sets": ([f"LOW, {axis}\n*BOUNDARY\nHIGH, {axis}"], [("LOW", left), ("HIGH", right)])}
+    right, _ = held_as(word, [f"BBOTTOM, {axis}"])
+    for name, (rows, sets) in ways.items():
+        found, cards = held_as(word, rows, sets)
+        assert found[axis] == right[axis], (word, name)
+        assert found[1] >= right[1] and len(found[1] - right[1]) <= (name == "corner"), name
+
+
+def test_two_opposite_sides_hold_nothing_between_them():
+    """One element between them: sets of one value, with and without a held bottom."""
+    for word in ("CPE4", "C3D8", "CPE8"):
+        text = Lines()
+        text.add("*HEADING", word, "*MATERIAL, NAME=M", "*ELASTIC", "1000., 0.3")
+        text.mesh(mesh_of(word, cells=(1, 2, 2)), word, "B")
+        text.add("*SOLID SECTION, ELSET=BE, MATERIAL=M", "*BOUNDARY", "BLEFT, 1", "BRIGHT, 1",
+                 "BBOTTOM, 1, 2", "*STEP", "*STATIC", "*DSLOAD", "BSTOP, P, 10.", "*END STEP")
+        finer = refined(Deck.parse("\n".join(text.text) + "\n", name="opposite")).deck
+        assert [row[0] for row in finer.all("BOUNDARY")[0].data] == ["BLEFT", "BRIGHT", "BBOTTOM"]
+
+
+def test_temperatures_of_several_sets_and_labels_leave_no_hole():
+    deck = pressed("CPE4", ["*DSLOAD", "BSTOP, P, 10."])
+    cards = MeshCards(deck.blocks)
+    halves = [[n for n in cards.nodes if (cards.nodes[n][1] < 0.4) == low] for low in (True, False)]
+    text = deck.text().replace("*BOUNDARY", "".join(
+        f"*NSET, NSET=H{k}\n" + ",\n".join(map(str, own)) + "\n" for k, own in enumerate(halves))
+        + "*INITIAL CONDITIONS, TYPE=TEMPERATURE\nH0, 10.\n" + "\n".join(
+            f"{n}, 30." for n in halves[1]) + "\n*BOUNDARY", 1)
+    finer = refined(Deck.parse(text, name="warm")).deck
+    cards, given = MeshCards(finer.blocks), {}
+    for row in finer.all("INITIAL CONDITIONS")[0].data:
+        given |= dict.fromkeys(cards.labels(row[0]), row[1])
+    assert given == {n: 10.0 if x[1] < 0.1 else 20.0 if x[1] < 0.4 else 30.0
+                     for n, x in cards.nodes.items()}
+
+
 @pytest.mark.parametrize("card", ["*CLOAD\nBTOP, 2, -1.", "*DLOAD\n1, P3, 2.\n*CLOAD\nBTOP, 1, 1."])
 def test_what_a_finer_mesh_cannot_carry_is_refused(card):
     with pytest.raises(ModelError, match="CLOAD"):

@@ -149,8 +149,8 @@ class Reached:
         """All of it but the result."""
         kept = {k: getattr(self, k) for k in (
             "target", "value", "error", "mesh", "increments", "enforcement", "sliding", "ripple",
-            "follows", "left_out", "against", "order", "met", "filled_in", "rounded", "reason", "cost",
-            "uneven", "warnings", "by_dual", "no_dual")}
+            "follows", "left_out", "against", "order", "met", "filled_in", "rounded", "reason",
+            "cost", "uneven", "warnings", "by_dual", "no_dual")}
         kept["quantity"] = str(self.quantity)
         kept["runs"] = [vars(v) for v in self.levels]
         return json.dumps(kept, default=str).replace("NaN", "null")

@@ -15,7 +15,7 @@ from ..deck import Block, Deck
 from ..errors import ModelError, UsageError
 from ..mesh.cells import CELLS
 from ..model_read_mesh import MeshCards, expanded
-from .cards import refuse_what_is_lost, spread_rows
+from .cards import SpreadRows, refuse_what_is_lost
 from .children import cell_of, children, upgraded
 from .curved import lifts_in_plane, lifts_in_space
 from .names import OWN, Members, Supports, face_blocks, node_sets, set_block
@@ -100,8 +100,8 @@ def made(deck: Deck, curved: bool, cut: Cut) -> Refined:
     places = cut.places(cards, curved)
     members = Members(cards, cut)
     new = Deck(preamble=deck.preamble, name=deck.name, folder=deck.folder)
-    written, sets, filled = False, [], 0
-    for block in blocks:
+    written, sets, filled, spread = False, [], 0, SpreadRows(blocks, cards, cut)
+    for number, block in enumerate(blocks):
         if block.keyword in _MESH_CARDS:
             if not written:
                 new.blocks += _mesh_blocks(cards, cut, places, members)
@@ -111,8 +111,10 @@ def made(deck: Deck, curved: bool, cut: Cut) -> Refined:
             sets += own
             new.blocks.append(faces)
         else:
-            new.blocks.append(spread_rows(block, cards, cut))
-            filled += sum(bool(row[-1]) for row in new.blocks[-1].lines[len(block.lines):])
+            new.blocks.append(spread.block(number, block))
+            filled += sum(bool(row[-1]) for row in new.blocks[-1].lines[len(block.lines):]
+                          if isinstance(row[0], int))
+    sets += spread.sets
     at = max(k for k, b in enumerate(new.blocks) if b.keyword == "ELEMENT")
     new.blocks[at + 1:at + 1] = sets
     return Refined(new, cut.labels, cut.ends, cut.weight, cut.n_element, filled, cut.rounded)
