@@ -123,9 +123,57 @@ def test_flat_sides_and_corners_stay():
     assert smallest_lift(block((1.0, 1.0, 1.0), (2, 2, 2))) == 0.0
 
 
+def outline(points, low=-4.0):
+    """Nodes and edges of the body below a line of points, the body on the left."""
+    x = np.array([*points[::-1], [points[0][0], low], [points[-1][0], low]], float)
+    return x, np.stack([np.arange(len(x)), np.roll(np.arange(len(x)), -1)], axis=1)
+
+
+@pytest.mark.parametrize("points", [
+    [(-4, -0.4), (0, 0), (4, -0.4)], [(-4, -0.8), (-2, -0.4), (0, 0), (2, -0.4), (4, -0.8)],
+    [(0, 0), (4, -0.4)], [(0, 0), (1, 0), (2, 0), (3, 0), (4, -0.25)], [(0, 0), (2, 0), (4, -0.6)],
+    [(-4, -0.5), (-2, 0), (2, 0), (4, -0.5)], [(-4, 0), (-1, 0), (1, -0.4), (4, -1.6)],
+    [(-4, 0), (-2, 0), (-1, 0), (1, -0.4), (4, -1.6), (5, -2.0)], [(-4, 0), (0, -0.6), (4, 0)]],
+    ids="roof roof_of_four half_roof chamfer cone two_chamfers slope slope_of_many valley".split())
+def test_corners_that_turn_by_little_stay(points):
+    """One turn, or two beside straight edges, are no arc: in the plane and as a prism in space, of
+    one, two and three layers."""
+    assert not lifts_in_plane(*outline(points)).any()
+    x = np.array(points, float)
+    for layers in (1, 2, 3):
+        mesh = extruded(block((1.0, 1.0), (len(x) - 1, 2)), 2.0, layers)
+        column = np.round(mesh.points[:, 0]*(len(x) - 1)).astype(int)
+        top = x[column, 1]
+        mesh.points[:, 0] = x[column, 0]
+        mesh.points[:, 1] = -4.0 + mesh.points[:, 1]*(4.0 + top)
+        assert smallest_lift(mesh) < 1e-12
+        assert smallest_lift(simplices(mesh)) < 1e-12
+
+
+@pytest.mark.parametrize("count", [2, 3, 4, 8])
+def test_arcs_that_end_at_planes_of_symmetry_are_arcs(count):
+    """Of two edges and more: pipes of one and two layers, of bricks and tetrahedra."""
+    mesh = ring(1.0, 1.2, (1, count), angles=(0.0, 50.0))
+    for layers in (1, 2):
+        made = extruded(mesh, 0.3, layers)
+        for cells in (made, simplices(made)):
+            faces = np.array([cells.face_nodes(*row) for row in cells.boundary()])
+            n = faces.shape[1]
+            edges = np.unique(np.sort(np.vstack([faces[:, [k, (k + 1) % n]] for k in range(n)]),
+                                      axis=1), axis=0)
+            middle = cells.points[edges].mean(axis=1) + lifts_in_space(cells.points, [faces], edges)
+            flat = np.abs(cells.points[edges][:, 0, 2] - cells.points[edges][:, 1, 2]) < 1e-9
+            radius = np.linalg.norm(cells.points[:, :2], axis=1)
+            for r in (1.0, 1.2):
+                own = flat & (np.abs(radius[edges] - r) < 1e-9).all(axis=1)
+                assert np.allclose(np.linalg.norm(middle[own, :2], axis=1), r, rtol=3e-3)
+
+
 def smallest_lift(mesh):
     faces = np.array([mesh.face_nodes(*row) for row in mesh.boundary()])
-    edges = np.unique(np.sort(np.vstack([faces[:, [0, 1]], faces[:, [1, 2]]]), axis=1), axis=0)
+    n = faces.shape[1]
+    edges = np.unique(np.sort(np.vstack([faces[:, [k, (k + 1) % n]] for k in range(n)]), axis=1),
+                      axis=0)
     return np.abs(lifts_in_space(mesh.points, [faces], edges)).max()
 
 
@@ -165,6 +213,79 @@ def test_displacements_node_by_node_are_filled_in():
     nodes = MeshCards(finer.blocks).nodes
     assert len(given) == 5
     assert all(np.isclose(v, -0.1*nodes[n][0]) for n, v in given.items())
+
+
+def held_as(word, rows, sets=()):
+    """Nodes held in each direction on the finer mesh of a block whose bottom is held by `rows`."""
+    deck = pressed(word, ["*DSLOAD", "BSTOP, P, 10."])
+    text = deck.text()
+    begin = text.index("*BOUNDARY")
+    cards = "".join(f"*NSET, NSET={name}\n" + ",\n".join(map(str, own)) + "\n"
+                    for name, own in sets)
+    text = text[:begin] + cards + "*BOUNDARY\n" + "\n".join(["BLEFT, 1", *rows]) + "\n" \
+        + text[text.index("*STEP"):]
+    finer = refined(refined(Deck.parse(text, name="held")).deck)
+    cards = MeshCards(finer.deck.blocks)
+    held = {}
+    for b in finer.deck.all("BOUNDARY"):
+        for row in b.data:
+            for d in range(row[1], (row[2] if len(row) > 2 and row[2] else row[1]) + 1):
+                held.setdefault(d, set()).update(cards.labels(row[0]))
+    return held, cards
+
+
+@pytest.mark.parametrize("word", ["CPE3", "CPE4", "CPE8", "C3D4", "C3D8"])
+def test_one_support_is_one_however_it_is_written(word):
+    """A bottom by a set; by labels of unlike fields, on one card or many; by labels and sets."""
+    axis = 3 if word.startswith("C3D") else 2
+    nodes = MeshCards(pressed(word, ["*DSLOAD", "BSTOP, P, 10."]).blocks)
+    bottom = sorted(set(nodes.nsets["BBOTTOM"]), key=lambda n: nodes.nodes[n])
+    x = {n: nodes.nodes[n][0] for n in bottom}
+    left, right = ([n for n in bottom if (x[n] <= 1.0) == side] for side in (True, False))
+    corner = next(n for n in bottom if x[n] == 0.0)
+    both = f"{axis}, {axis}"
+    ways = {
+        "labels": ([f"{n}, {axis}" if k % 2 else f"{n}, {both}" for k, n in enumerate(bottom)], ()),
+        "cards": ([f"{n}, {both}\n*BOUNDARY" for n in bottom[:-1]] + [f"{bottom[-1]}, {axis}"], ()),
+        "corner": ([f"{corner}, 1, {axis}"] + [f"{n}, {axis}" for n in bottom if n != corner], ()),
+        "label and set": ([f"{corner}, {both}", f"REST, {axis}"],
+                          [("REST", [n for n in bottom if n != corner])]),
+        "three sets": ([f"{name}, {axis}" for name in ("COLD", "LOW", "HIGH")],
+                       [("COLD", [corner]), ("LOW", left), ("HIGH", right)]),
+        "sets": ([f"LOW, {axis}\n*BOUNDARY\nHIGH, {axis}"], [("LOW", left), ("HIGH", right)])}
+    right, _ = held_as(word, [f"BBOTTOM, {axis}"])
+    for name, (rows, sets) in ways.items():
+        found, cards = held_as(word, rows, sets)
+        assert found[axis] == right[axis], (word, name)
+        assert found[1] >= right[1] and len(found[1] - right[1]) <= (name == "corner"), name
+
+
+def test_two_opposite_sides_hold_nothing_between_them():
+    """One element between them: sets of one value, with and without a held bottom."""
+    for word in ("CPE4", "C3D8", "CPE8"):
+        text = Lines()
+        text.add("*HEADING", word, "*MATERIAL, NAME=M", "*ELASTIC", "1000., 0.3")
+        text.mesh(mesh_of(word, cells=(1, 2, 2)), word, "B")
+        text.add("*SOLID SECTION, ELSET=BE, MATERIAL=M", "*BOUNDARY", "BLEFT, 1", "BRIGHT, 1",
+                 "BBOTTOM, 1, 2", "*STEP", "*STATIC", "*DSLOAD", "BSTOP, P, 10.", "*END STEP")
+        finer = refined(Deck.parse("\n".join(text.text) + "\n", name="opposite")).deck
+        assert [row[0] for row in finer.all("BOUNDARY")[0].data] == ["BLEFT", "BRIGHT", "BBOTTOM"]
+
+
+def test_temperatures_of_several_sets_and_labels_leave_no_hole():
+    deck = pressed("CPE4", ["*DSLOAD", "BSTOP, P, 10."])
+    cards = MeshCards(deck.blocks)
+    halves = [[n for n in cards.nodes if (cards.nodes[n][1] < 0.4) == low] for low in (True, False)]
+    text = deck.text().replace("*BOUNDARY", "".join(
+        f"*NSET, NSET=H{k}\n" + ",\n".join(map(str, own)) + "\n" for k, own in enumerate(halves))
+        + "*INITIAL CONDITIONS, TYPE=TEMPERATURE\nH0, 10.\n" + "\n".join(
+            f"{n}, 30." for n in halves[1]) + "\n*BOUNDARY", 1)
+    finer = refined(Deck.parse(text, name="warm")).deck
+    cards, given = MeshCards(finer.blocks), {}
+    for row in finer.all("INITIAL CONDITIONS")[0].data:
+        given |= dict.fromkeys(cards.labels(row[0]), row[1])
+    assert given == {n: 10.0 if x[1] < 0.1 else 20.0 if x[1] < 0.4 else 30.0
+                     for n, x in cards.nodes.items()}
 
 
 @pytest.mark.parametrize("card", ["*CLOAD\nBTOP, 2, -1.", "*DLOAD\n1, P3, 2.\n*CLOAD\nBTOP, 1, 1."])

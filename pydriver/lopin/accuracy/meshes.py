@@ -26,12 +26,13 @@ class Meshes:
     ----------
     deck : the last one, to run
     n_element : its solid elements; 0: as the deck came
-    filled_in : as of `lopin.refine.Refined`
+    filled_in, rounded : as of `lopin.refine.Refined`
     uniform : every cell of the mesh before was halved
     """
 
     def __init__(self, deck: Deck):
         self.deck, self.n_element, self.filled_in, self.uniform = deck, 0, 0, True
+        self.rounded = 0.0
         self._local: LocalMesh | None = None
         self._whole = deck, 0
 
@@ -51,6 +52,7 @@ class Meshes:
         finer = refined(self.deck)
         self.deck, self.n_element = self._whole = finer.deck, finer.n_element
         self.filled_in = max(self.filled_in, finer.filled_in)
+        self.rounded = max(self.rounded, finer.rounded)
 
     def spend(self, labels: NDArray, parts: NDArray, goal: float) -> bool:
         """Halve cells until the sum of the sizes of their parts should be `goal`; whether it could
@@ -79,6 +81,7 @@ class Meshes:
     def _take(self, local: LocalMesh) -> None:
         self._local, self.deck, self.n_element = local, local.deck, local.n_element
         self.filled_in = max(self.filled_in, local.filled_in)
+        self.rounded = max(self.rounded, local.rounded)
 
 
 def equal_parts(parts: NDArray, goal: float) -> float:

@@ -149,7 +149,7 @@ class _Search:
             if found.levels[-1].given_up:
                 last = self.whole
             deck, number = self.meshes.deck, number + 1
-            found.filled_in = max(found.filled_in, self.meshes.filled_in)
+            found.filled_in, found.rounded = self.meshes.filled_in, self.meshes.rounded
             last = self._solve(deck, number, self.meshes.n_element, last)
             if found.levels[-1].uniform:
                 self.whole = last

@@ -52,6 +52,8 @@ class Reached:
     uneven : part of `enforcement` that facets which do not match make of the pressure (W0333)
     warnings : of the last run
     filled_in : displacements given node by node, straight between the nodes of the deck
+    rounded : how far the middle of an edge was moved onto a smooth boundary, beside the edge, at
+        most; 0: boundaries are those of the deck
     reason : why the error asked for was not met; empty: it was
     """
 
@@ -76,6 +78,7 @@ class Reached:
     result: Result | None = field(default=None, repr=False)
     deck: Deck | None = field(default=None, repr=False)
     filled_in: int = 0
+    rounded: float = 0.0
     reason: str = ""
 
     @property
@@ -134,6 +137,10 @@ class Reached:
         if self.filled_in:
             lines.append("displacements are given node by node: between the nodes of the deck they "
                          "are taken as straight, whose error is not in the estimate")
+        if self.rounded:
+            lines.append("boundaries of straight edges that turn alike from node to node are taken "
+                         "as arcs: middles of edges were moved by up to "
+                         f"{100.0*self.rounded:.2g} % of the edge")
         if self.reason:
             lines.append(f"not met: {self.reason}")
         return "\n".join(lines)
@@ -142,8 +149,8 @@ class Reached:
         """All of it but the result."""
         kept = {k: getattr(self, k) for k in (
             "target", "value", "error", "mesh", "increments", "enforcement", "sliding", "ripple",
-            "follows", "left_out", "against", "order", "met", "filled_in", "reason", "cost",
-            "uneven", "warnings", "by_dual", "no_dual")}
+            "follows", "left_out", "against", "order", "met", "filled_in", "rounded", "reason",
+            "cost", "uneven", "warnings", "by_dual", "no_dual")}
         kept["quantity"] = str(self.quantity)
         kept["runs"] = [vars(v) for v in self.levels]
         return json.dumps(kept, default=str).replace("NaN", "null")

@@ -43,7 +43,7 @@ class LocalMesh:
     ----------
     open : the deck without the equations of hanging nodes
     known : labels of the nodes that cuts made, by what tells them
-    filled_in, n_element : as of `Refined`
+    filled_in, n_element, rounded : as of `Refined`
     first : (label, count) of the children of the elements that the last cut halved
     """
 
@@ -52,6 +52,7 @@ class LocalMesh:
     filled_in: int = 0
     n_element: int = 0
     first: dict[int, tuple[int, int]] = field(default_factory=dict, repr=False)
+    rounded: float = 0.0
 
     def __post_init__(self):
         self._hanging: list[Hanging] | None = None
@@ -115,7 +116,7 @@ class LocalMesh:
         cut = Cut(children, {}, marked, known, self._inner())
         finer: Refined = made(self.open, True, cut)
         return LocalMesh(finer.deck, known, max(self.filled_in, finer.filled_in),
-                         finer.n_element, cut.first)
+                         finer.n_element, cut.first, max(self.rounded, finer.rounded))
 
     def _inner(self) -> set[tuple]:
         """Edges through the inside that have one cell: coarse ones and their halves."""

@@ -10,6 +10,7 @@ from ..deck import Block, Row
 from ..errors import ModelError
 from ..mesh.cells import CELLS
 from ..model_read_mesh import MeshCards, plain
+from .curved import CREASE
 
 
 #: Sets of the faces that a cut made: they are made anew by the next.
@@ -105,6 +106,7 @@ class Supports:
                     outside[tuple(row)] = outside.get(tuple(row), 0) + 1
         facets = [f for f, count in outside.items() if count == 1 and f not in cut.inner]
         self.skin_nodes = {n for f in facets for n in f}
+        self.facets = facets
         self.on_skin = _parts(facets)
 
     def within(self, labels) -> NDArray:
@@ -128,6 +130,33 @@ class Supports:
                 found.append(k)
         return np.array(found, int)
 
+    def going_on(self, rows, parts: list[set], cards: MeshCards
+                 ) -> list[tuple[int, tuple]]:
+        """Of new nodes between nodes of several sets, those on edges and faces of the skin beside
+        which a whole face of one set goes on without a crease; with the face."""
+        around: dict[int, list[tuple]] = {}
+        for f in self.facets if rows else ():
+            for n in f:
+                around.setdefault(n, []).append(f)
+        x, normals = cards.nodes, {}
+
+        def normal(facet: tuple) -> NDArray:
+            if facet not in normals:
+                normals[facet] = _unit_normal(np.array([x[n] for n in facet]))
+            return normals[facet]
+
+        def goes_on(facet: tuple) -> bool:
+            return any(other != facet and any(own.issuperset(other) for own in parts)
+                       and abs(normal(facet) @ normal(other)) > np.cos(CREASE)
+                       for n in facet for other in around[n])
+
+        found = []
+        for k in sorted(rows):
+            own = self.support[k]
+            beside = around.get(own[0], ()) if own in self.on_skin else ()
+            found += [(k, f) for f in beside if set(own) <= set(f) and goes_on(f)]
+        return found
+
     def _halves(self, cut) -> dict[int, tuple[int, int]]:
         """Old nodes beside the new ones in the quarters of edges that have a node in the middle."""
         middle = {}
@@ -149,6 +178,13 @@ class Supports:
                     for n in row:
                         found.setdefault(n, []).append(set(row))
         return found
+
+
+def _unit_normal(x: NDArray) -> NDArray:
+    """Of an edge in the plane, or of a face whose corners come in any order."""
+    if len(x) == 2:
+        return np.array([x[1, 1] - x[0, 1], x[0, 0] - x[1, 0], 0.0])/np.linalg.norm(x[1] - x[0])
+    return np.linalg.svd(x - x.mean(axis=0))[2][2]
 
 
 def _parts(facets: list[tuple]) -> set[tuple]:

@@ -15,7 +15,7 @@ from ..deck import Block, Deck
 from ..errors import ModelError, UsageError
 from ..mesh.cells import CELLS
 from ..model_read_mesh import MeshCards, expanded
-from .cards import refuse_what_is_lost, spread_rows
+from .cards import SpreadRows, refuse_what_is_lost
 from .children import cell_of, children, upgraded
 from .curved import lifts_in_plane, lifts_in_space
 from .names import OWN, Members, Supports, face_blocks, node_sets, set_block
@@ -36,6 +36,8 @@ class Refined:
     n_element : solid elements of the finer mesh
     filled_in : displacements and temperatures that were given node by node, for which new nodes
         have the mean of their neighbours
+    rounded : the farthest that the middle of an edge was moved onto a smooth boundary, beside the
+        edge; 0: the boundary is what it was
     """
 
     deck: Deck
@@ -44,6 +46,7 @@ class Refined:
     weight: NDArray
     n_element: int
     filled_in: int = 0
+    rounded: float = 0.0
 
 
 #: The words of second order that stand for linear ones.
@@ -97,8 +100,8 @@ def made(deck: Deck, curved: bool, cut: Cut) -> Refined:
     places = cut.places(cards, curved)
     members = Members(cards, cut)
     new = Deck(preamble=deck.preamble, name=deck.name, folder=deck.folder)
-    written, sets, filled = False, [], 0
-    for block in blocks:
+    written, sets, filled, spread = False, [], 0, SpreadRows(blocks, cards, cut)
+    for number, block in enumerate(blocks):
         if block.keyword in _MESH_CARDS:
             if not written:
                 new.blocks += _mesh_blocks(cards, cut, places, members)
@@ -108,11 +111,13 @@ def made(deck: Deck, curved: bool, cut: Cut) -> Refined:
             sets += own
             new.blocks.append(faces)
         else:
-            new.blocks.append(spread_rows(block, cards, cut))
-            filled += sum(bool(row[-1]) for row in new.blocks[-1].lines[len(block.lines):])
+            new.blocks.append(spread.block(number, block))
+            filled += sum(bool(row[-1]) for row in new.blocks[-1].lines[len(block.lines):]
+                          if isinstance(row[0], int))
+    sets += spread.sets
     at = max(k for k, b in enumerate(new.blocks) if b.keyword == "ELEMENT")
     new.blocks[at + 1:at + 1] = sets
-    return Refined(new, cut.labels, cut.ends, cut.weight, cut.n_element, filled)
+    return Refined(new, cut.labels, cut.ends, cut.weight, cut.n_element, filled, cut.rounded)
 
 
 def refuse(deck: Deck) -> tuple[list[Block], MeshCards]:
@@ -143,6 +148,7 @@ class Cut:
         child, node)) for each word
     kept : (word, cell, labels, nodes) of the solid elements that stay
     first : label of the first child by old element; its children follow
+    rounded : as of `Refined`
     """
 
     def __init__(self, rule, words: dict[str, str], marked: set[int] | None = None,
@@ -150,6 +156,7 @@ class Cut:
         self.rule, self.words, self.marked = rule, words, marked
         self.known = {} if known is None else known
         self.inner = inner or set()
+        self.rounded = 0.0
         self.groups: list[tuple[str, str, NDArray, NDArray, NDArray]] = []
         self.kept: list[tuple[str, str, NDArray, NDArray]] = []
 
@@ -243,7 +250,8 @@ class Cut:
         linear = [g for g in self.groups if not CELLS[g[1]].is_quadratic]
         if curved and linear:
             stay = [g for g in self.kept if not CELLS[g[1]].is_quadratic]
-            _lift(cards, linear, place, self.rule, _boundary([*linear, *stay], self.inner))
+            self.rounded = _lift(cards, linear, place, self.rule,
+                                 _boundary([*linear, *stay], self.inner))
         for word, name, labels, nodes, cells in self.groups:
             _refuse_folded(cell_of(word), labels, cells, place)
         return place
@@ -260,8 +268,9 @@ def _keys(cut, corners: NDArray) -> NDArray:
     return keys.reshape(-1, 16)
 
 
-def _lift(cards: MeshCards, groups, place: dict[int, NDArray], rule, faces) -> None:
-    """Move points of linear cells onto the smooth boundary, and those within cells along."""
+def _lift(cards: MeshCards, groups, place: dict[int, NDArray], rule, faces) -> float:
+    """Move points of linear cells onto the smooth boundary, and those within cells along; the
+    farthest beside its edge."""
     x = {n: np.array(v) for n, v in cards.nodes.items()}
     space = CELLS[groups[0][1]].ndim == 3
     rows = np.unique(np.concatenate([f.ravel() for f in faces]))
@@ -277,9 +286,12 @@ def _lift(cards: MeshCards, groups, place: dict[int, NDArray], rule, faces) -> N
         lifts = lifts_in_plane(points, edges)
     lifted = {(min(a, b), max(a, b)): np.r_[v, np.zeros(3 - len(v))]
               for (a, b), v in zip(rows[edges].tolist(), lifts) if v.any()}
-    if lifted:
-        for _, name, _, nodes, cells in groups:
-            _move_along(rule(name), CELLS[name], nodes, cells, lifted, place)
+    if not lifted:
+        return 0.0
+    for _, name, _, nodes, cells in groups:
+        _move_along(rule(name), CELLS[name], nodes, cells, lifted, place)
+    length = np.linalg.norm(points[edges[:, 1]] - points[edges[:, 0]], axis=1)
+    return float((np.linalg.norm(lifts, axis=1)/length).max())
 
 
 def _boundary(groups, inner: set[tuple]) -> list[NDArray]:
