@@ -86,6 +86,8 @@ def run_in_parts(deck: Deck, output: str | Path | None, options: dict) -> Result
                          help="lopin.run(deck, 'out/name')")
     given = {name: value for name, value in options.items() if value is not None}
     report = driver.Runner(deck, output, say=lambda line: None, **given).run()
+    if given.get("strict"):
+        report.refuse_warnings()
     result = Result(Folder(output, deck.name), deck)
     result.summary["remeshes"] = [vars(r) for r in report.remeshes]
     return result

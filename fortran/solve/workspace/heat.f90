@@ -7,6 +7,7 @@ module lopin_heat
    use lopin_point_states, only : put_state, settle_states, energy_of_memory
    use lopin_kept_memory, only : put_kept_memory
    use lopin_assemble_nonlinear, only : elastic_energy
+   use lopin_assemble_springs, only : add_springs
    use lopin_stress_free_state, only : heat_points, stress_points, temper_points
    use lopin_scene, only : scene_type
    implicit none
@@ -93,14 +94,14 @@ contains
       end do
    end subroutine keep_memories
 
-   !> Elastic energy of all solids where *START puts them [force length].
+   !> Elastic energy of all solids and springs where *START puts them [force length].
    real(wp) function energy_at_start(scene, model) result(energy)
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
-      real(wp), allocatable :: u(:)
+      real(wp), allocatable :: u(:), force(:)
       integer :: i, id
 
-      allocate (u(scene%dofs%n), source=0.0_wp)
+      allocate (u(scene%dofs%n), force(scene%dofs%n), source=0.0_wp)
       do i = 1, size(model%start%displaced)
          associate (place => model%start%displaced(i))
             id = scene%dofs%id(place%dof, place%node)
@@ -110,6 +111,7 @@ contains
       energy = energy_of_memory(scene%solids, model%mesh, u, scene%accepted%solids)
       if (any(abs(u) > 0.0_wp)) energy = energy &
          & + elastic_energy(scene%solids, model%mesh, u, scene%accepted%solids)
+      call add_springs(scene%solids, model%mesh, u, .true., force, energy)
    end function energy_at_start
 
    !> A state for some points of an element and none for others was meant for other elements.

@@ -20,6 +20,7 @@ from ..model_read_mesh import plain
 from ..points import Points
 from .body import SIMPLEX, Body, DeckParts, inclined, pair_names, period_of, supports
 from .loads import loads_of
+from .masters import is_of_facets
 from .part import NewMesh, new_labels, places_of_deck, state_block
 from .state import Snapshot
 from .tools import Tools
@@ -36,7 +37,7 @@ WILD = 2.0
 OF_MATERIAL = ("MATERIAL", "ELASTIC", "PLASTIC", "VISCOPLASTIC", "RATE DEPENDENT")
 RATES = ("VISCOPLASTIC", "RATE DEPENDENT")
 #: Cards that press or hold the body other than by contacts and *BOUNDARY.
-_LOADS = ("DSLOAD", "FOUNDATION", "SPRING")
+_LOADS = ("DSLOAD", "FOUNDATION")
 #: How often metal that is taken back to its yield stress is balanced again, until no point is
 #: beyond it by more than this share.
 PASSES, FLOWS = 4, 0.02
@@ -101,8 +102,8 @@ def in_balance(parts: DeckParts, body: Body, mesh: NewMesh, states, weights, las
 
     Metal that does not depend on the rate cannot bear more than its yield stress: it is taken back
     to that, and balanced again, a few times. Of metal that does, what is beyond relaxes by itself.
-    Springs, pressures beside contacts, and other bodies, whose nodes press it unevenly, leave the
-    states as they are.
+    Foundations, pressures beside contacts, and other bodies, whose nodes press it unevenly, leave
+    the states as they are.
     """
     highest = highest_strain(last.points)
     load, why = _load(parts, body, mesh, last, tools)
@@ -176,7 +177,8 @@ def _load(parts: DeckParts, body: Body, mesh: NewMesh, last: Snapshot, tools: To
 def meets_bodies(parts: DeckParts, body: Body) -> bool:
     """Whether a contact pair has the body and another one that deforms."""
     own = {name for tag in body.tags for kind, name in tag if kind == "S"}
-    faces = {name for name, rows in parts.cards.surfaces.items() if rows}
+    faces = {name for name, rows in parts.cards.surfaces.items() if rows
+             and not is_of_facets(parts.cards, rows)}
     return any(len(names & faces) == 2 and names & own for b in parts.blocks
                if b.keyword == "CONTACT PAIR" for names in map(set, map(pair_names, b.data)))
 

@@ -24,6 +24,8 @@ SIMPLEX = {"CPE4": "CPE3", "CAX4": "CAX3", "CPE4R": "CPE3", "CAX4R": "CAX3"}
 #: What to take for words that no new mesh is made of.
 _INSTEAD = {"C3D": "in space take C3D4", "CAX": "take CAX4 or CAX3", "CPE": "take CPE4 or CPE3",
             "CPS": "take CPE4 or CPE3, of plane strain: no new mesh is made in plane stress"}
+#: Words of elements between two nodes, or of one node and the ground.
+SPRINGS = ("SPRING1", "SPRING2", "SPRINGA", "GAPUNI")
 #: Cosine of an axis with one of the global ones that it is along.
 ALONG = 1.0 - 1e-9
 #: Cards that put displacements, loads or couplings on nodes.
@@ -243,10 +245,15 @@ def read_body(parts: DeckParts, elset: str) -> Body:
 
 def _refuse_shared(parts: DeckParts, members: set[int], nodes: set[int], elset: str) -> None:
     """A body shares no node with others, and is of one section."""
-    for label, (_, own) in parts.cards.elements.items():
-        if label not in members and nodes & set(own):
-            raise refused(f"elements outside {elset} share nodes with it",
-                          "name all elements of the body by ELSET")
+    for label, (word, own) in parts.cards.elements.items():
+        if label in members or not nodes & set(own):
+            continue
+        if word in SPRINGS:
+            raise refused(f"{word} {label} holds node {min(nodes & set(own))} of {elset}, which a "
+                          "new mesh does not have",
+                          "put it on a tool, or on a body that is not meshed anew")
+        raise refused(f"elements outside {elset} share nodes with it",
+                      "name all elements of the body by ELSET")
     within = [b for b in parts.blocks if b.keyword == "SOLID SECTION" and
               members & set(parts.cards.elsets.get(plain(b.parameters["ELSET"]).upper(), []))]
     if len(within) != 1:

@@ -28,4 +28,6 @@ def run_remeshed(path: Path, arguments: list[str]) -> int:
                     say=(lambda line: None) if quiet else tell, **options)
     report = runner.run()
     print(report.json() if given.json else report.text())
+    if given.strict:
+        report.refuse_warnings()
     return 0

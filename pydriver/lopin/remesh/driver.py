@@ -16,6 +16,7 @@ import numpy as np
 from ..deck import Deck
 from ..errors import DamagedResultError, NotConvergedError, ResourceError
 from ..job import Job
+from ..material_cards import of_body
 from ..model_read_mesh import named_from
 from ..run import check
 from .body import Body, DeckParts, read_body
@@ -23,9 +24,14 @@ from .card import RemeshCard
 from .join import has_whole_results
 from .part import Clock, at_nodes
 from .plane import worst_corner
-from .refusals import refuse_missing_mesher, refuse_shared_elements, refuse_what_stays_behind
+from .refusals import (
+    refuse_critical_of_others,
+    refuse_missing_mesher,
+    refuse_shared_elements,
+    refuse_what_stays_behind,
+)
 from .remake import remake
-from .report import Remesh, Report
+from .report import Remesh, Report, too_many_warnings
 from .scrap import pieces
 from .separate import counted, criticals, cuts_of, separate, torn
 from .state import Snapshot
@@ -68,23 +74,30 @@ class Runner:
     say : told what happens, a line at a time
     resume : go on with the parts that the folder holds
     replay : run the parts that the folder holds again, without making meshes
+    strict : a warning of the deck ends the run before it begins; those of the run are for
+        `Report.refuse_warnings`
     options : of `lopin.open`
     """
 
     def __init__(self, deck: Deck, output: str | Path, *, say: Callable[[str], None] = print,
-                 resume: bool = False, replay: bool = False, **options):
+                 resume: bool = False, replay: bool = False, strict: bool = False, **options):
         self.deck, self.output, self.say, self.options = deck, Path(output), say, options
         self.resume, self.replay = resume, replay
-        check(deck)
+        said = [f"warning[{d['code']}]: {d['message']}" for d in check(deck)
+                if d["severity"] == "warning"]
+        if strict and said:
+            raise too_many_warnings(said)
         parts = DeckParts.of(deck)
         cards = [RemeshCard.of(b) for b in parts.blocks if b.keyword == "REMESH"]
         bodies = [read_body(parts, card.elset) for card in cards]
         refuse_shared_elements(bodies)
-        self.critical = criticals(parts.blocks)
-        self.cards = {}
+        refuse_critical_of_others(parts, bodies)
+        self.cards, self.critical = {}, {}
         for card, body in zip(cards, bodies):
             refuse_what_stays_behind(parts, body)
-            self.cards[card.elset] = replace(card.filled(body), cuts=cuts_of(parts.blocks))
+            own = of_body(parts.blocks, parts.cards, set(body.elements.tolist()))
+            self.critical[card.elset] = criticals(own)
+            self.cards[card.elset] = replace(card.filled(body), cuts=cuts_of(own))
         self.most = max(card.most for card in cards)
         if self.most and not (resume or replay):
             refuse_missing_mesher(bodies)
@@ -244,9 +257,9 @@ class Runner:
         """The deck of the next part and what was done, where metal separates or a mesh is worn."""
         name = part_name(self.deck.name, number + 1)
         for body in bodies:
-            now = last.beside(body)
-            gone, why = torn(body, now, self.critical)
-            apart = bool(self.critical) and \
+            now, critical = last.beside(body), self.critical[body.elset]
+            gone, why = torn(body, now, critical)
+            apart = bool(critical) and \
                 sum(1 for _ in pieces(body, np.zeros(len(body.elements), bool))) > 1
             if gone.any() or apart:
                 found = separate(deck, now, tools.session, gone, body.elset, why, number, name,

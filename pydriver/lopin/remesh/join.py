@@ -76,14 +76,46 @@ def join_histories(folder: Path, name: str, parts: list[str]) -> None:
                 [head, *([row.get(word, "nan") for word in head] for row in rows)])
 
 
-def join_summaries(folder: Path, name: str, parts: list[str], verdict: str) -> None:
-    """One summary: that of the last part, with the sums of all. `verdict`: of the remeshes."""
-    found = []
-    for part in parts:
+def summaries(folder: Path, parts: list[str]) -> dict[int, dict]:
+    """What the parts say of themselves, by their number from 1; those that have run."""
+    found = {}
+    for number, part in enumerate(parts, 1):
         path = folder/f"{part}.json"
         if path.is_file():
             with reading(path):
-                found.append(json.loads(path.read_text()))
+                found[number] = json.loads(path.read_text())
+    return found
+
+
+def worse(*verdicts: str) -> str:
+    """The worst of some verdicts; PASS without any.
+
+    >>> worse("PASS", "FAIL", "none"), worse()
+    ('FAIL', 'PASS')
+    """
+    return max((v for v in verdicts if v in _VERDICTS), key=_VERDICTS.index, default="PASS")
+
+
+def worst_certificate(found: dict[int, dict]) -> dict:
+    """The certificate of the part that fared worst, the first of them, with its number; empty
+    without any."""
+    certificates = {n: d["certificate"] for n, d in found.items() if d.get("certificate")}
+    worst = worse(*(c.get("verdict", "PASS") for c in certificates.values()))
+    own = [n for n, c in certificates.items() if c.get("verdict", "PASS") == worst]
+    return {"part": own[0], **certificates[own[0]]} if own else {}
+
+
+def said_of(found: dict[int, dict]) -> list[dict]:
+    """What the solver said in any part, each once."""
+    return list({json.dumps(said, sort_keys=True): said for each in found.values()
+                 for said in each.get("diagnostics", [])}.values())
+
+
+def join_summaries(folder: Path, name: str, parts: list[str], verdict: str) -> None:
+    """One summary: that of the last part, with the sums of all, and the certificate of the part
+    that fared worst. `verdict`: of the remeshes."""
+    by_part = summaries(folder, parts)
+    found = list(by_part.values())
     if not found:
         return
     whole = dict(found[-1])
@@ -93,12 +125,11 @@ def join_summaries(folder: Path, name: str, parts: list[str], verdict: str) -> N
                       for k in range(len(whole.get("steps", [])))]
     whole["timing"] = _sum([d.get("timing", {}) for d in found])
     whole["peak_memory_mib"] = max(d.get("peak_memory_mib", 0.0) for d in found)
-    verdicts = [(d.get("certificate") or {}).get("verdict", "PASS") for d in found] + [verdict]
     if "certificate" in whole:
-        worst = max((v for v in verdicts if v in _VERDICTS), key=_VERDICTS.index, default="PASS")
-        whole["certificate"] = (whole["certificate"] or {}) | {"verdict": worst}
-    seen = {json.dumps(d, sort_keys=True): d for each in found for d in each.get("diagnostics", [])}
-    whole["diagnostics"] = list(seen.values())
+        worst = worst_certificate(by_part)
+        whole["certificate"] = {k: v for k, v in worst.items() if k != "part"} | {
+            "verdict": worse(verdict, worst.get("verdict", "PASS"))}
+    whole["diagnostics"] = said_of(by_part)
     whole["files"] = [f"{name}.pvd", f"{name}_history.csv", f"{name}.parts.json"]
     with whole_file(folder/f"{name}.json") as file:
         file.write_text(json.dumps(whole, indent=1) + "\n")

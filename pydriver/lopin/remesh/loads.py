@@ -182,7 +182,7 @@ def _on_the_tools(force: NDArray, body: Body, mesh: NewMesh, tools: Tools) -> ND
     on = meets.copy()
     near = TOUCHES*np.ptp(mesh.x, axis=0).max()
     for number, slave in tools.pairs:
-        if number in dict(tools.folds) or number in tools.masters:
+        if tools.meets_metal(number):
             continue
         nodes = nodes_within(mesh.facets, mesh.tags, slave)
         feet = tools.closest(number, mesh.x[nodes]) if len(nodes) else None
@@ -190,7 +190,7 @@ def _on_the_tools(force: NDArray, body: Body, mesh: NewMesh, tools: Tools) -> ND
             meets[nodes] = True
             on[nodes[(np.abs(feet[:, 0]) <= near) & ~(feet[:, 1] > 0.0)]] = True
     for number, slave in tools.pairs:
-        if number in dict(tools.folds) or number in tools.masters:
+        if tools.meets_metal(number):
             meets[nodes_within(mesh.facets, mesh.tags, slave)] = False
     air = np.flatnonzero(meets & ~on & np.abs(force).any(axis=1))
     if not on.any() or not len(air):

@@ -7,12 +7,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..mesh.cells import CELLS
-from ..model_read_mesh import PLANE, SOLID
+from ..model_read_mesh import PLANE, SOLID, MeshCards
 from .body import DeckParts
 from .space import closest_on_facets
 
+#: Words of rigid facets: their faces are their two sides, SPOS (S2 of shells) and SNEG (S1).
+SIDED = ("R2D2", "RAX2", "R3D3", "R3D4")
 #: Points this near to a facet, by its length, lie on it.
 LIES = 0.05
+#: Ways beside an end below this share of the size of a surface are none.
+ROUNDING = 1e-12
 #: How often facets are moved under the slaves, one after the other.
 SWEEPS = 30
 
@@ -27,12 +31,16 @@ class FacetMaster:
     start : their coordinates in the deck (node, ndim) [length]
     facets : rows of the nodes of each facet, edges or triangles, outward (facet, ndim)
     rim : nodes of the ends of an open surface: of edges that one facet alone has (node,)
+    open : sides of each facet, by the corner opposite, that no other facet has (facet, ndim)
+    rigid : a tool of rigid facets
     """
 
     labels: NDArray
     start: NDArray
     facets: NDArray
     rim: NDArray
+    open: NDArray
+    rigid: bool = False
 
     @classmethod
     def of(cls, parts: DeckParts, name: str, ndim: int) -> FacetMaster | None:
@@ -43,13 +51,15 @@ class FacetMaster:
         corners = np.array(rows)
         labels, facets = np.unique(corners, return_inverse=True)
         facets = facets.reshape(corners.shape)
-        sides = np.sort(np.vstack([facets[:, [k]] if ndim == 2 else
-                                   facets[:, [k, (k + 1) % 3]] for k in range(ndim)]), axis=1)
-        sides, count = np.unique(sides, axis=0, return_counts=True)
+        # The side opposite to each corner: the other corner of an edge, an edge of a triangle.
+        sides = np.sort(np.vstack([np.delete(facets, k, axis=1) for k in range(ndim)]), axis=1)
+        sides, number, count = np.unique(sides, axis=0, return_inverse=True, return_counts=True)
         rim = np.zeros(len(labels), bool)
         rim[sides[count == 1].ravel()] = True
+        alone = (count == 1)[number.ravel()].reshape(ndim, -1).T
         start = np.array([parts.cards.nodes[int(n)][:ndim] for n in labels])
-        return cls(labels, start, facets, rim)
+        return cls(labels, start, facets, rim, alone,
+                   is_of_facets(parts.cards, parts.cards.surfaces[name]))
 
     def places(self, motion: NDArray) -> NDArray:
         """Present places of its nodes (node, ndim). `motion`: of `Snapshot`."""
@@ -72,11 +82,14 @@ class FacetMaster:
         arm = points - foot
         gap = (arm*normal).sum(axis=1)
         beside = np.linalg.norm(arm - gap[:, None]*normal, axis=1)
-        # On the rim where all corners that count lie on it.
-        ends = (self.rim[self.facets[facet]] | (share < 1e-9)).all(axis=1)
-        ends &= (share < 1e-9).any(axis=1)
+        beside[beside < ROUNDING*np.ptp(x, axis=0).max()] = 0.0
+        # On the rim: on a side that no other facet has, or at a corner of one.
+        off = share < 1e-9
+        corner = (self.rim[self.facets[facet]] | off).all(axis=1)
+        ends = np.where(off.sum(axis=1) == 1, (self.open[facet] & off).any(axis=1), corner) \
+            & off.any(axis=1)
         # Off a ridge the distance counts, and its side is that of all facets that meet there.
-        ridge = ~ends & (share < 1e-9).any(axis=1)
+        ridge = ~ends & off.any(axis=1)
         at_nodes = np.zeros_like(x)
         for k in range(self.facets.shape[1]):
             np.add.at(at_nodes, self.facets[:, k], wide)
@@ -154,7 +167,10 @@ def _faces(parts: DeckParts, name: str, ndim: int):
         face = str(row[1]).upper() if len(row) > 1 and row[1] is not None else ""
         found = []
         for member in members:
-            nodes = cards.elements[member][1]
+            word, nodes = cards.elements[member]
+            if word in SIDED:
+                yield from _parts_of(side_of(nodes, face))
+                continue
             cell = CELLS[(PLANE if ndim == 2 else SOLID)[len(nodes)]]
             own = cell.faces if not face else [cell.faces[int(face[1:]) - 1]]
             for f in own:
@@ -168,9 +184,33 @@ def _faces(parts: DeckParts, name: str, ndim: int):
                 seen[frozenset(f)] = seen.get(frozenset(f), 0) + 1
             found = [f for f in found if seen[frozenset(f)] == 1]
         for f in found:
-            yield f[:3] if ndim == 3 else f
-            if len(f) == 4:
-                yield [f[0], f[2], f[3]]
+            yield from _parts_of(f)
+
+
+def is_of_facets(cards: MeshCards, rows: list) -> bool:
+    """Whether a surface is of rigid facets alone: a tool, as one of segments."""
+    return all(cards.elements[member][0] in SIDED for row in rows for member in
+               ([row[0]] if isinstance(row[0], int) else cards.elsets.get(row[0].upper(), [])))
+
+
+def _parts_of(face: list[int]):
+    """An edge or a triangle as it is, a quad in two triangles."""
+    yield face[:3]
+    if len(face) == 4:
+        yield [face[0], face[2], face[3]]
+
+
+def side_of(nodes: list[int], face: str) -> list[int]:
+    """Corners of one side of a rigid facet, outward as those of solids; no word is SPOS: the side
+    of the right-hand rule, of a line to the left of its way.
+
+    >>> side_of([1, 2], "SPOS"), side_of([1, 2], "SNEG"), side_of([1, 2, 3, 4], "SNEG")
+    ([2, 1], [1, 2], [1, 4, 3, 2])
+    """
+    positive = face in ("", "SPOS", "S2")
+    if len(nodes) == 2:
+        return nodes[::-1] if positive else list(nodes)
+    return list(nodes) if positive else [nodes[0], *nodes[:0:-1]]
 
 
 def closest_on_edges(places: NDArray, x: NDArray, facets: NDArray) -> tuple[NDArray, NDArray]:

@@ -9,13 +9,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..deck import Block, Deck, Row
+from ..material_cards import word_of
 from ..model_read_mesh import plain
-from .body import SIMPLEX, Body, DeckParts, boundary_facets
+from .body import SIMPLEX, SPRINGS, Body, DeckParts, boundary_facets
 from .transfer import DAMAGE, DILATATION, FLOW, PLASTIC, RATIO, STRAIN, WORK
 
 _MESH_CARDS = ("NODE", "ELEMENT", "NSET", "ELSET")
 #: Cards of the start that the state of the last part replaces.
 _START_CARDS = ("START", "INITIAL CONDITIONS", "REMESH")
+#: Cards whose lines begin with names of surfaces, their TYPE, and how many names.
+_OF_SURFACES = (("CONTACT PAIR", "", 2), ("MODEL CHANGE", "CONTACT PAIR", 2),
+                ("INITIAL CONDITIONS", "TRACTION", 2), ("DSLOAD", "", 1))
 #: Radii below this share of the size of a body are rounding of nodes on the axis.
 ROUNDING = 1e-12
 
@@ -122,6 +126,9 @@ def next_deck(parts: DeckParts, body: Body, mesh: NewMesh, name: str, folder: Pa
     written = False
     empty = {name for name, labels in _node_sets(parts.cards, body, mesh, node_label).items()
              if not labels}
+    made = {id(b): _surface(parts, body, mesh, b, element_label, empty) for b in parts.blocks
+            if b.keyword == "SURFACE"}
+    gone = _gone(parts.blocks, made)
     for block in parts.blocks:
         if block.keyword in _MESH_CARDS:
             if not written:
@@ -131,13 +138,43 @@ def next_deck(parts: DeckParts, body: Body, mesh: NewMesh, name: str, folder: Pa
         if block.keyword in _START_CARDS and not _is_temperature(block):
             continue
         if block.keyword == "STEP" and "STEP" not in deck:
-            deck.blocks += list(start)
-        if block.keyword == "SURFACE":
-            block = _surface(parts, body, mesh, block, element_label)
+            deck.blocks += [b for b in map(lambda b: _left(b, gone, empty), start) if b is not None]
         if block.keyword == "BOUNDARY":
             block = _kept_supports(block, empty)
-        deck.blocks.append(block)
+        new = _left(made.get(id(block), block), gone, empty)
+        if new is not None and not (id(block) in made and block.data and not new.data):
+            deck.blocks.append(new)
     return deck
+
+
+def _gone(blocks: list[Block], made: dict[int, Block]) -> set[str]:
+    """Surfaces all of whose faces or nodes went as metal separated."""
+    had: dict[str, int] = {}
+    for block in blocks:
+        if id(block) in made and block.data:
+            name = word_of(block, "NAME")
+            had[name] = had.get(name, 0) + len(made[id(block)].data)
+    return {name for name, lines in had.items() if not lines}
+
+
+def _left(block: Block, gone: set[str], empty: set[str]) -> Block | None:
+    """A card without what it says of surfaces and sets of nodes that are gone; None if that is all
+    it says."""
+    named = {word_of(block, word) for word in ("SLAVE", "MASTER", "SURFACE")} & gone
+    if named or word_of(block, "NSET") in empty:
+        return None
+    kind = word_of(block, "TYPE")
+    first = next((n for word, of, n in _OF_SURFACES
+                  if word == block.keyword and of in ("", kind)), 0)
+
+    def names(row) -> set[str]:
+        return {str(plain(v)).upper() for v in row[:first]}
+
+    if not any(names(row) & gone for row in block.data):
+        return block
+    new = Block(block.keyword, block.parameters)
+    new.lines = [row for row in block.data if not names(row) & gone]
+    return new if new.lines or "OP" in new.parameters else None
 
 
 def at_nodes(block: Block) -> Block:
@@ -207,20 +244,28 @@ def _mesh_blocks(parts: DeckParts, body: Body, mesh: NewMesh, node_label: NDArra
             else SIMPLEX[body.word]
         blocks.append(Block("ELEMENT", {"TYPE": word}, [
             [int(e), *(int(node_label[n]) for n in c)] for e, c in zip(labels, group)]))
-    for word in dict.fromkeys(w for e, (w, _) in cards.elements.items() if e not in members):
+    blocks += _springs(parts.blocks)
+    for word in dict.fromkeys(w for e, (w, _) in cards.elements.items()
+                              if e not in members and w not in SPRINGS):
         blocks.append(Block("ELEMENT", {"TYPE": word}, [
             [e, *nodes] for e, (w, nodes) in cards.elements.items()
             if w == word and e not in members]))
     sets = _node_sets(cards, body, mesh, node_label)
     blocks += [_set("NSET", name, labels) for name, labels in sets.items() if labels]
     everything = [int(e) for labels in element_label for e in labels]
+    named = {word_of(b, "ELSET") for b in _springs(parts.blocks)}
     for name, old in cards.elsets.items():
         stay = [e for e in dict.fromkeys(old) if e not in members]
         # Part of the body: its elements are gone; sets that only name some are left out.
         labels = stay + (everything if members <= set(old) else [])
-        if labels:
+        if labels and name not in named:
             blocks.append(_set("ELSET", name, labels))
     return blocks
+
+
+def _springs(blocks: list[Block]) -> list[Block]:
+    """The cards of springs and gaps as they are: their sets are those of *ELEMENT itself."""
+    return [b for b in blocks if b.keyword == "ELEMENT" and word_of(b, "TYPE") in SPRINGS]
 
 
 def _node_sets(cards, body: Body, mesh: NewMesh, node_label: NDArray) -> dict[str, list[int]]:
@@ -239,9 +284,12 @@ def _set(kind: str, name: str, labels: list[int]) -> Block:
 
 
 def _surface(parts: DeckParts, body: Body, mesh: NewMesh, block: Block,
-             element_label: list[NDArray]) -> Block:
-    """A surface with its faces of the body made anew; whole sets of elements stay as they are."""
+             element_label: list[NDArray], empty: set[str]) -> Block:
+    """A surface with its faces of the body made anew; whole sets of elements stay as they are, and
+    sets of nodes that have any."""
     given = {name: plain(value) for name, value in block.parameters.items()}
+    if str(given.get("TYPE", "")).upper() == "NODE":
+        return _kept_supports(block, empty)
     if str(given.get("TYPE", "ELEMENT")).upper() != "ELEMENT":
         return block
     members = set(body.elements.tolist())

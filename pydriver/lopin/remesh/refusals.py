@@ -211,6 +211,18 @@ def refuse_shared_elements(bodies: list[Body]) -> None:
             seen[element] = body.elset
 
 
+def refuse_critical_of_others(parts: DeckParts, bodies: list[Body]) -> None:
+    """Metal separates in bodies that are meshed anew: none other has a critical damage."""
+    anew = {element for body in bodies for element in body.elements.tolist()}
+    for section in sections_of(parts.blocks, parts.cards, set(parts.cards.elements) - anew):
+        name, elset = word_of(section, "MATERIAL"), word_of(section, "ELSET")
+        for card in of_materials(parts.blocks, {name}):
+            if card.keyword == "DAMAGE" and "CRITICAL" in card.parameters:
+                raise refused(f"{card.head()} of material {name}: elements of {elset}, which have "
+                              "it, are not meshed anew, and would not separate",
+                              f"a *REMESH, ELSET={elset}, or a material without CRITICAL for it")
+
+
 def _meets_itself(block: Block, own: set[str]) -> bool:
     """A line names one surface of a body, or the same twice."""
     return any(slave == master and slave in own for slave, master in map(pair_names, block.data))

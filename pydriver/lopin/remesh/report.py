@@ -1,17 +1,24 @@
 """What the remeshes of a run did, and the files that join its parts."""
 from __future__ import annotations
 
-import csv
 import json
-import re
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..errors import DeckError
 from ..files import reading, whole_file
-from .join import join_collections, join_histories, join_summaries
+from .histories import Ways, columns, of_tools, work_of_tools
+from .join import (
+    join_collections,
+    join_histories,
+    join_summaries,
+    said_of,
+    summaries,
+    worse,
+    worst_certificate,
+)
 
 #: Share of the volume that may be taken out as elements separate.
 MOST_TAKEN_OUT = 0.02
@@ -19,6 +26,8 @@ MOST_TAKEN_OUT = 0.02
 INSIDE = 0.1
 #: Elastic energy below this share of the plastic work is none to speak of.
 NO_ENERGY = 1e-5
+#: Moves of a tool at rest below this share of its way are not spoken of.
+TOLD = 1e-4
 TINY = np.finfo(float).tiny
 
 
@@ -159,16 +168,46 @@ class Report:
         join_summaries(self.folder, self.name, self.parts, self.verdict()[0])
         self.write()
 
+    def told(self) -> tuple[dict, list[dict]]:
+        """Worst certificate of the parts, and what the solver said of any, from their summaries."""
+        found = summaries(self.folder, self.parts)
+        return worst_certificate(found), said_of(found)
+
+    def warnings(self) -> list[str]:
+        """Warnings of the solver, the first of each kind, and how many parts have it."""
+        first: dict[str, tuple[str, set[int]]] = {}
+        for number, part in summaries(self.folder, self.parts).items():
+            for said in part.get("diagnostics", []):
+                if said["severity"] == "warning":
+                    text = f"warning[{said['code']}]: part {number}: {said['message']}"
+                    text += f"\n  help: {said['help']}" if said.get("help") else ""
+                    first.setdefault(said["code"], (text, set()))[1].add(number)
+        return [text if len(of) == 1 else f"{text}\n  in {len(of)} of {len(self.parts)} parts"
+                for text, of in first.values()]
+
+    def refuse_warnings(self) -> None:
+        """Warnings of the solver and of new meshes end a run that asked for none."""
+        said = [*self.warnings(), *self.verdict()[1]]
+        if said:
+            raise too_many_warnings(said)
+
+    def overall(self) -> str:
+        """The worse of the verdict on new meshes and of the certificate of the parts."""
+        return worse(self.verdict()[0], self.told()[0].get("verdict", "PASS"))
+
     def json(self) -> str:
         """All of it."""
+        certificate, said = self.told()
         jumps = {j["part"]: j for j in self.jumps()}
         told = [asdict(r) | {"force_change": jumps.get(r.part, {}).get("change"),
-                             "force_change_of_largest": jumps.get(r.part, {}).get("of_largest")}
+                             "force_change_of_largest": jumps.get(r.part, {}).get("of_largest"),
+                             "way_change": jumps.get(r.part, {}).get("way")}
                 for r in self.remeshes]
         return json.dumps({"schema": "lopin-parts/1", "deck": self.name, "parts": self.parts,
                            "remeshes": told, "cards": self.cards, "sums": self.sums,
-                           "balance": self.balance(),
-                           "verdict": self.verdict()[0]}, indent=1)
+                           "balance": self.balance(), "certificate": certificate,
+                           "diagnostics": said, "remeshing": self.verdict()[0],
+                           "verdict": self.overall()}, indent=1)
 
     def balance(self) -> dict[str, float]:
         """Volume and energy of a run that separates: where they went; nothing without a cut.
@@ -198,17 +237,19 @@ class Report:
         """Change of the forces of the tools in the increments at rest: part that ended, change by
         the force then, and by the largest force up to then. Once the load has fallen the second
         says what the run's load curve has lost; where the load rises the two are the same."""
-        last, largest, found = None, TINY, []
+        last, largest, found, ways = None, TINY, [], Ways()
         for number, name in enumerate(self.parts, 1):
-            forces = _forces(self.folder/f"{name}_history.csv")
-            if forces is None or len(forces) == 0:
+            history = columns(self.folder/f"{name}_history.csv")
+            forces = of_tools(history, "rf")
+            moved = ways.at_rest(history)
+            if not len(forces):
                 last = None
                 continue
             if last is not None:
                 change = float(np.linalg.norm(forces[0] - last))
                 found.append({"part": number - 1,
                               "change": change/max(float(np.linalg.norm(last)), TINY),
-                              "of_largest": change/largest})
+                              "of_largest": change/largest, **moved})
             last = forces[-1]
             largest = max(largest, float(np.linalg.norm(forces, axis=1).max()))
         return found
@@ -238,7 +279,9 @@ class Report:
                      np.inf),
                     ("sides of a fold, by a cell inside", r.moved.get("fold_depth", 0.0), INSIDE,
                      np.inf),
-                    ("force of the tools at rest", jump["of_largest"], 1e-2, 5e-2)):
+                    ("force of the tools at rest", jump["of_largest"], 1e-2, 5e-2),
+                    (f"place of {jump.get('tool')}, by its way,", jump.get("way", 0.0), 1e-2,
+                     5e-2)):
                 if r.cut:
                     break   # what is taken out takes its force along
                 level = 2 if value > fail else 1 if value > warn else 0
@@ -262,9 +305,15 @@ class Report:
     def text(self) -> str:
         """For a terminal."""
         verdict, said = self.verdict()
+        certificate = self.told()[0]
         cut = {r.part for r in self.remeshes if r.cut}
         jumps = [j for j in self.jumps() if j["part"] not in cut]
-        lines = [*said, f"{len(self.parts)} parts, {len(self.remeshes)} remeshes: {verdict}"]
+        lines = [*self.warnings(), *said]
+        if certificate.get("verdict", "PASS") != "PASS":
+            lines.append("{verdict}: certificate of part {part}, step {step}, increment "
+                         "{increment}: {reason}".format(**certificate))
+        verdict = self.overall()
+        lines += [f"{len(self.parts)} parts, {len(self.remeshes)} remeshes: {verdict}"]
         if cut:
             lines[-1] = (f"{len(self.parts)} parts, {len(self.remeshes) - len(cut)} remeshes, "
                          f"{len(cut)} separations of {100*self.taken_out():.2g} % of the volume: "
@@ -277,6 +326,9 @@ class Report:
             if small is not worst and small["change"] > 1.5*worst["change"]:
                 lines[-1] += (f"; where the force is small by {100*small['of_largest']:.2g} %"
                               + in_words(small))
+            way = max(jumps, key=lambda j: j.get("way", 0.0))
+            if way.get("way", 0.0) > TOLD:
+                lines[-1] += f"; at rest {way['tool']} moves by {100*way['way']:.2g} % of its way"
         told = self.balance()
         if told:
             lines.append("volume {volume:.5g}: {left:.5g} left, {scrap:.5g} scrap, {taken_out:.3g} "
@@ -288,6 +340,12 @@ class Report:
         return "\n".join(lines)
 
 
+def too_many_warnings(said: list[str]) -> DeckError:
+    """The error of a run with --strict."""
+    return DeckError(f"{len(said)} {'warning' if len(said) == 1 else 'warnings'} with --strict: "
+                     f"{said[0].splitlines()[0]}", id="E0803")
+
+
 def in_words(jump: dict) -> str:
     """A change of force beside the largest one, and beside the one there was where they differ.
 
@@ -297,35 +355,3 @@ def in_words(jump: dict) -> str:
     if jump["change"] <= 1.05*jump["of_largest"]:
         return ""
     return f" of the largest so far ({100*jump['change']:.2g} % of what it was then)"
-
-
-def _forces(path: Path) -> NDArray | None:
-    """Forces of the tools, a row an increment; None without a history."""
-    if not path.is_file():
-        return None
-    with reading(path), path.open(newline="") as file:
-        head, *rows = list(csv.reader(file))
-        columns = [k for k, name in enumerate(head) if re.match(r".*\.rf[123]\b", name)]
-        return np.array([[float(row[k]) for k in columns] for row in rows])
-
-
-def columns(path: Path) -> dict[str, NDArray]:
-    """Columns of a history by their first word; none without a history."""
-    if not path.is_file():
-        return {}
-    with reading(path), path.open(newline="") as file:
-        head, *rows = list(csv.reader(file))
-    table = np.array([[float(v) for v in row] for row in rows]).reshape(len(rows), len(head))
-    return {word.partition(" ")[0]: column for word, column in zip(head, table.T)}
-
-
-def work_of_tools(columns: dict[str, NDArray]) -> float:
-    """What the prescribed motions of all tools have done: forces by displacements, moments by
-    rotations, by the trapezoidal rule from the unloaded start on [energy]."""
-    work = 0.0
-    for name, force in columns.items():
-        moved = columns.get(re.sub(r"\.rf(\d)$", r".u\1", name))
-        if re.search(r"\.rf\d$", name) and moved is not None:
-            f, u = np.r_[0.0, force], np.r_[0.0, moved]
-            work += float((0.5*(f[1:] + f[:-1])*np.diff(u)).sum())
-    return work

@@ -36,7 +36,7 @@ FADING = 5.0
 
 
 def criticals(blocks: list[Block]) -> dict[str, float]:
-    """Critical values of a deck by criterion.
+    """Critical values among the cards of a body, by criterion: each metal has its own.
 
     >>> criticals([Block("DAMAGE", {"CRITERION": "OYANE", "CRITICAL": "0.5"}, [[3.9]])])
     {'OYANE': 0.5}

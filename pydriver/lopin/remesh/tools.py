@@ -64,6 +64,11 @@ class Tools:
             return self.masters[number].feet(points, self.session.field("STATE OF MOTION"))
         return self.session.tool_feet(number, points)
 
+    def meets_metal(self, number: int) -> bool:
+        """Whether the master of a pair is of another body of solids, or the body itself."""
+        return number in dict(self.folds) or \
+            (number in self.masters and not self.masters[number].rigid)
+
     def feet_of_nodes(self, body: Body, x: NDArray, facets: NDArray, tags: list[frozenset]):
         """For each tool, and each other body, the nodes of a skin that may meet it, and their
         closest points; where the skin is the master, the nodes under the slaves, their places."""
