@@ -111,6 +111,12 @@ def test_a_place_that_the_deck_does_not_have(billet):
         DeckMap(Deck.read(billet), Axis.of("HYPERELASTIC:1=1,2"))
 
 
+def test_one_place_on_both_axes_is_refused(billet):
+    for other in ("FRICTION:1=0.1,0.2", "friction:1=0.1"):
+        with pytest.raises(UsageError, match="same place"):
+            DeckMap(Deck.read(billet), Axis.of("FRICTION:1=0.05,0.3"), Axis.of(other))
+
+
 def test_ranges():
     assert Axis.of("A:1=0..1/3").values == (0.0, 0.5, 1.0)
     assert np.allclose(Axis.of("A B#2:3=1e-3..1/4").values, [1e-3, 1e-2, 0.1, 1.0])

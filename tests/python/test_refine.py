@@ -294,6 +294,14 @@ def test_what_a_finer_mesh_cannot_carry_is_refused(card):
         refined(pressed("CPE4", card.split("\n")))
 
 
+def test_surfaces_of_single_nodes_are_refused_at_once():
+    deck = pressed("CPE4", ["*DSLOAD", "BSTOP, P, 10."])
+    text = deck.text().replace("*BOUNDARY", "*SURFACE, NAME=ROW, TYPE=NODE\n1\n2\n*BOUNDARY", 1)
+    with pytest.raises(ModelError, match="ROW"):
+        refined(Deck.parse(text, name="row"))
+    refined(Deck.parse(text.replace("\n1\n2\n", "\nBTOP\n"), name="row"))
+
+
 def test_layers_of_one_arc_are_lifted_alike():
     """A thin curved layer: the inside would fold if one of its sides stayed."""
     lines = ["*NODE"]
@@ -352,6 +360,41 @@ def test_a_uniform_state_stays_uniform_where_nodes_hang(solve, word):
     everywhere = local.everywhere()
     assert everywhere.n_element == 4*local.n_element
     assert np.allclose(solve(everywhere.deck)["S"].max(axis=0), coarse["S"][0], atol=1e-8)
+
+
+@pytest.mark.parametrize("word", ["CPE3", "CPE4", "CPE8R", "CPS6"])
+@pytest.mark.parametrize("kind", ["R", "C"])
+def test_hanging_nodes_between_turned_axes(solve, word, kind):
+    """A sheared block turned by any angle, its sides held in their own axes, cylindrical ones at
+    the nodes of one side included: the same displacements in those axes."""
+    found = []
+    for angle in (0.0, 0.5, 1.3):
+        c, s, mesh = float(np.cos(angle)), float(np.sin(angle)), mesh_of(word, cells=(4, 3, 1))
+        mesh.points[:, :2] = mesh.points[:, :2] @ [[c, s], [-s, c]]
+        lines = Lines()
+        lines.add("*HEADING", word, "*MATERIAL, NAME=M", "*ELASTIC", "1000., 0.3")
+        lines.mesh(mesh, word, "B")
+        turned = f"{c!r}, {s!r}, 0., {-s!r}, {c!r}, 0."
+        lines.add("*SOLID SECTION, ELSET=BE, MATERIAL=M")
+        for name in ("BLEFT", "BTOP", "BBOTTOM"):
+            lines.add(f"*TRANSFORM, NSET={name}, TYPE=R", turned)
+        if kind == "C":   # about a point below the block
+            lines.add("*TRANSFORM, NSET=BRIGHT, TYPE=C",
+                      f"{2.0*s!r}, {-2.0*c!r}, 0., {2.0*s!r}, {-2.0*c!r}, 1.", "*BOUNDARY",
+                      "BRIGHT, 1, 2, 0.02")
+        lines.add("*BOUNDARY", "BLEFT, 1", "BBOTTOM, 2", "*STEP", "*STATIC", "*BOUNDARY",
+                  "BTOP, 1, 1, 0.1", "*NODE FILE", "U", "*END STEP")
+        deck = Deck.parse("\n".join(lines.text) + "\n", name="turned")
+        local = LocalMesh(deck)
+        for _ in range(2):
+            every = list(MeshCards(local.open.blocks).elements)
+            local = local.refined(every[::3])
+        assert len(local.hanging) > 3
+        u = solve(local.deck)["U"]
+        found.append(np.column_stack([c*u[:, 0] + s*u[:, 1], -s*u[:, 0] + c*u[:, 1]]))
+    assert np.abs(found[0]).max() > 0.05
+    for other in found[1:]:
+        assert np.allclose(other, found[0], rtol=1e-5, atol=1e-7)   # results are single
 
 
 def test_all_cells_in_part_are_all_cells():

@@ -3,6 +3,8 @@ from __future__ import annotations
 
 import math
 
+from ..model_read_mesh import MeshCards, expanded
+from ..refine.children import cell_of
 from .mesh_error import FALLS, LEAST_ORDER, MOST_ORDER, halved
 
 #: Share of a number on the mesh before that is left of one whose limit is 0.
@@ -33,12 +35,29 @@ def no_limit(found, levels) -> str:
         return f"the {found.quantity} changes {'hardly less' if peak else 'more'} with each " \
             "finer mesh " \
             f"({', '.join(f'{100.0*v/scale:.2g} %' for v in apart)}): it has no limit, as at " \
-            "a sharp edge; ask for a force, a displacement or PRESSURE"
+            + (point_loads(found) or
+               "a sharp edge; ask for a force, a displacement or PRESSURE")
     if len(known) >= 2 and all(b < VANISHES*a for a, b in zip(values, values[1:])):
         return f"the {found.quantity} falls with each finer mesh " \
             f"({', '.join(f'{v:.4g}' for v in values)}): it has no limit but 0, as the share of " \
             "single nodes of a support; ask for the whole of it"
     return ""
+
+
+def point_loads(found) -> str:
+    """Forces on single nodes of solids, under which displacements have no limit; empty: none."""
+    if found.deck is None or found.quantity.kind != "DISPLACEMENT":
+        return ""
+    blocks = expanded(found.deck)
+    cards = MeshCards(blocks)
+    solid = {n for word, nodes in cards.elements.values() if cell_of(word) for n in nodes}
+    loaded = {n: None for b in blocks if b.keyword == "CLOAD" for row in b.data
+              for n in cards.labels(row[0]) if n in solid}
+    if not loaded:
+        return ""
+    names = ", ".join(map(str, [*loaded][:4])) + (", ..." if len(loaded) > 4 else "")
+    return f"the forces of *CLOAD on single nodes ({names}), points on every mesh: load the " \
+        "surface by *DSLOAD or *DLOAD"
 
 
 def slides(found) -> str:

@@ -134,7 +134,11 @@ class DeckMap:
         # Includes in their place, so that their numbers can be varied as well.
         # Nobody is asked how well a cell is known: a run of it would warn of that (W0344).
         self.deck = without_question(self.deck)
-        self.deck_of(self.x.values[0], self.y.values[0] if self.y else 0.0)
+        first = self.deck_of(self.x.values[0], self.y.values[0] if self.y else 0.0)
+        if self.y and first.text() == self.deck_of(self.x.values[0] + 1.0,
+                                                   self.y.values[0]).text():
+            raise UsageError(f"--x and --y are the same place of the deck ({self.y.label})",
+                             help="give two places, or one axis")
 
     def deck_of(self, x: float, y: float) -> Deck:
         """The deck of a cell."""

@@ -50,7 +50,9 @@ def read_mesh(path: str | Path) -> Mesh:
     try:
         return from_meshio(meshio.read(path))
     except (SystemExit, meshio.ReadError, KeyError, ValueError) as problem:
-        raise ResourceError(f"meshio cannot read {path}: {problem!r}",
+        reason = f"it is no {path.suffix} file" if isinstance(problem, SystemExit) else \
+            repr(problem)
+        raise ResourceError(f"meshio cannot read {path}: {reason}",
                             help="meshes: .msh, .vtu, .vtk, .mesh, .med and others that meshio "
                             "knows") from problem
 

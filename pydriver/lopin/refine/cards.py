@@ -29,6 +29,12 @@ def refuse_what_is_lost(blocks: list[Block], cards: MeshCards) -> None:
                 str(block.parameters.get("TYPE", "")).upper() in _BY_ELEMENT:
             raise ModelError("*INITIAL CONDITIONS of elements and points: the deck cannot be "
                              "refined")
+        if block.keyword == "SURFACE" and len(block.data) > 1 and \
+                str(block.parameters.get("TYPE", "")).upper() == "NODE" and \
+                any(isinstance(row[0], int) for row in block.data):
+            raise ModelError(f"*SURFACE, NAME={block.parameters.get('NAME')}, TYPE=NODE of single "
+                             "nodes: a finer mesh has more between them",
+                             help="name a set of nodes")
         for row in block.data if block.keyword == "CLOAD" else ():
             if not isinstance(row[0], int) and len(set(cards.nsets.get(str(row[0]).upper(), []))
                                                    ) > 1:
@@ -38,8 +44,8 @@ def refuse_what_is_lost(blocks: list[Block], cards: MeshCards) -> None:
 
 
 class SpreadRows:
-    """*BOUNDARY and temperatures on the finer mesh: what holds all nodes that a new one lies between
-    holds it too, whichever rows, cards and sets of one place in the deck name them.
+    """*BOUNDARY and temperatures on the finer mesh: what holds all nodes that a new one lies
+    between holds it too, whichever rows, cards and sets of one place in the deck name them.
 
     Rows that name a set hold what it became. What single labels hold, together or beside sets of
     the same value, goes on between them: new nodes take the mean of the old ones, by their
@@ -57,7 +63,7 @@ class SpreadRows:
         self.own = {n for _, _, _, nodes, _ in [*cut.groups, *((*k, None) for k in cut.kept)]
                     for n in nodes.ravel().tolist()}
         self.dims = max(CELLS[name].ndim for _, name, *_ in cut.groups)
-        self.axes: dict[int, str] = {}
+        self.axes: dict[int, tuple] = {}
         self.sets: list[Block] = []
         self.first = 1 + sum(name.startswith(JOINT) for name in cards.nsets)
         self.by_block: dict[int, list[Row]] = {}
@@ -67,7 +73,8 @@ class SpreadRows:
             step += block.keyword == "STEP"
             if block.keyword == "TRANSFORM":
                 name = str(plain(block.parameters.get("NSET", ""))).upper()
-                self.axes |= dict.fromkeys(cards.nsets.get(name, ()), name)
+                self.axes |= dict.fromkeys(cards.nsets.get(name, ()), (
+                    str(block.parameters.get("TYPE", "R")).upper(), *block.data[0]))
             if _is_spread(block):
                 given = {name: str(plain(v)).upper() for name, v in block.parameters.items()
                          if name != "OP"}
@@ -100,7 +107,7 @@ class SpreadRows:
                     for d in dofs if n in self.own else ():
                         if d > self.dims:
                             break   # solids have no rotations
-                        held.setdefault((d, self.axes.get(n, "")), {}).setdefault(
+                        held.setdefault((d, self.axes.get(n, ())), {}).setdefault(
                             source, {})[n] = value
         found = []
         for (d, _), sources in held.items():

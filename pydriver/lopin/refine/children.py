@@ -104,3 +104,22 @@ def _corners(family: str) -> list[NDArray]:
 def _places(xi: NDArray, text: str) -> NDArray:
     """Places of corners ("0") and middles of edges ("01")."""
     return np.array([xi[[int(c) for c in word]].mean(axis=0) for word in text.split()])
+
+
+def boundary(groups, inner: set[tuple]) -> list[NDArray]:
+    """Corners of the faces with one cell only, outward, by the number of their corners; without
+    those of `inner`."""
+    found: dict[int, list[NDArray]] = {}
+    for _, name, _, nodes, *_ in groups:
+        for face in CELLS[name].faces:
+            found.setdefault(len(face), []).append(nodes[:, list(face)])
+    alone = []
+    for parts in found.values():
+        rows = np.vstack(parts)
+        _, first, count = np.unique(np.sort(rows, axis=1), axis=0, return_index=True,
+                                    return_counts=True)
+        alone.append(rows[np.sort(first[count == 1])])
+        if inner:
+            keep = [tuple(sorted(row)) not in inner for row in alone[-1].tolist()]
+            alone[-1] = alone[-1][np.array(keep, bool)]
+    return [rows for rows in alone if len(rows)]

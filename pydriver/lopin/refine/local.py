@@ -11,10 +11,13 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ..deck import Block, Deck
 from ..errors import ModelError
 from ..mesh.cells import CELLS
-from ..model_read_mesh import MeshCards, expanded
+from ..model_read_mesh import MeshCards, expanded, plain
 from .children import cell_of, children
 from .subdivide import Cut, Refined, made
 
@@ -22,6 +25,10 @@ from .subdivide import Cut, Refined, made
 #: its middle where it has one) have there.
 _LINEAR = {32: (0.5, 0.5)}
 _QUADRATIC = {16: (0.375, -0.125, 0.75), 48: (-0.125, 0.375, 0.75)}
+
+
+#: Cosines of less are of axes at right angles.
+ROUNDING = 1e-12
 
 
 @dataclass
@@ -88,12 +95,17 @@ class LocalMesh:
             return self.open
         blocks = list(expanded(self.open))
         rows: list[list] = []
+        axes = local_axes(blocks, MeshCards(blocks))
         for h in self.hanging:
-            for d in (1, 2):
-                terms = [h.node, d, 1.0]
+            own = axes.get(h.node, np.eye(2))
+            for d in (0, 1):
+                terms = [[h.node, d + 1, 1.0]]
                 for n, w in zip(h.masters, h.weights):
-                    terms += [n, d, -w]
-                rows += [[len(h.masters) + 1], terms]
+                    along = own[d] @ axes.get(n, np.eye(2)).T
+                    terms += [[n, k + 1, -w*float(v)] for k, v in enumerate(along)
+                              if abs(v) > ROUNDING]
+                rows.append([len(terms)])
+                rows += [sum(terms[k:k + 4], []) for k in range(0, len(terms), 4)]
         at = max(k for k, b in enumerate(blocks) if b.keyword == "ELEMENT")
         blocks.insert(at + 1, Block("EQUATION", {}, rows))
         return Deck(blocks, preamble=self.open.preamble, name=self.open.name,
@@ -104,9 +116,12 @@ class LocalMesh:
 
         Raises
         ------
-        ModelError : as of `lopin.refine.refined`; or the deck is one in space.
+        ModelError : as of `lopin.refine.refined`; or the deck is one in space, or turns degrees of
+            freedom of its nodes out of the plane.
         """
-        cards = MeshCards(expanded(self.open))
+        blocks = expanded(self.open)
+        cards = MeshCards(blocks)
+        local_axes(blocks, cards)
         for word in {word for word, _ in cards.elements.values()}:
             name = cell_of(word)
             if name and CELLS[name].ndim != 2:
@@ -140,6 +155,34 @@ class LocalMesh:
             fresh = touched - marked
             marked = marked | fresh
         return marked
+
+
+def local_axes(blocks: list[Block], cards: MeshCards) -> dict[int, NDArray]:
+    """Axes of *TRANSFORM, rows, of the nodes of solids that have some.
+
+    Raises
+    ------
+    ModelError : they leave the plane, or a node lies on the axis of a cylindrical system.
+    """
+    solid = {n for word, nodes in cards.elements.values() if cell_of(word) for n in nodes}
+    found: dict[int, NDArray] = {}
+    for block in blocks:
+        if block.keyword != "TRANSFORM":
+            continue
+        name = str(plain(block.parameters.get("NSET", ""))).upper()
+        a, b = np.array([*(v or 0.0 for v in block.data[0]), *[0.0]*6][:6], float).reshape(2, 3)
+        radial = str(plain(block.parameters.get("TYPE", "R"))).upper() == "C"
+        for n in solid.intersection(cards.nsets.get(name, ())):
+            third = b - a if radial else np.cross(a, b)
+            first = np.array(cards.nodes[n]) - a if radial else a
+            size = np.linalg.norm(third)
+            first = first - (first @ third)*third/size**2
+            if abs(third[2]) < (1.0 - ROUNDING)*size or not first.any():
+                raise ModelError(f"*TRANSFORM, NSET={name}: its axes at node {n} are not those of "
+                                 "the plane: the mesh is not refined in part")
+            first /= np.linalg.norm(first)
+            found[n] = np.array([first, np.cross(third/size, first)])[:, :2]
+    return found
 
 
 def _key(ends: tuple[int, int], part: int) -> tuple:

@@ -16,7 +16,7 @@ from ..errors import ModelError, UsageError
 from ..mesh.cells import CELLS
 from ..model_read_mesh import MeshCards, expanded
 from .cards import SpreadRows, refuse_what_is_lost
-from .children import cell_of, children, upgraded
+from .children import boundary, cell_of, children, upgraded
 from .curved import lifts_in_plane, lifts_in_space
 from .names import OWN, Members, Supports, face_blocks, node_sets, set_block
 
@@ -251,7 +251,7 @@ class Cut:
         if curved and linear:
             stay = [g for g in self.kept if not CELLS[g[1]].is_quadratic]
             self.rounded = _lift(cards, linear, place, self.rule,
-                                 _boundary([*linear, *stay], self.inner))
+                                 boundary([*linear, *stay], self.inner))
         for word, name, labels, nodes, cells in self.groups:
             _refuse_folded(cell_of(word), labels, cells, place)
         return place
@@ -292,25 +292,6 @@ def _lift(cards: MeshCards, groups, place: dict[int, NDArray], rule, faces) -> f
         _move_along(rule(name), CELLS[name], nodes, cells, lifted, place)
     length = np.linalg.norm(points[edges[:, 1]] - points[edges[:, 0]], axis=1)
     return float((np.linalg.norm(lifts, axis=1)/length).max())
-
-
-def _boundary(groups, inner: set[tuple]) -> list[NDArray]:
-    """Corners of the faces with one cell only, outward, by the number of their corners; without
-    those of `inner`."""
-    found: dict[int, list[NDArray]] = {}
-    for _, name, _, nodes, *_ in groups:
-        for face in CELLS[name].faces:
-            found.setdefault(len(face), []).append(nodes[:, list(face)])
-    alone = []
-    for parts in found.values():
-        rows = np.vstack(parts)
-        _, first, count = np.unique(np.sort(rows, axis=1), axis=0, return_index=True,
-                                    return_counts=True)
-        alone.append(rows[np.sort(first[count == 1])])
-        if inner:
-            keep = [tuple(sorted(row)) not in inner for row in alone[-1].tolist()]
-            alone[-1] = alone[-1][np.array(keep, bool)]
-    return [rows for rows in alone if len(rows)]
 
 
 def _move_along(cut, cell, nodes: NDArray, cells: NDArray, lifted: dict,
