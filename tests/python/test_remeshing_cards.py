@@ -297,3 +297,20 @@ def test_a_tool_driven_by_force_that_gives_way_at_rest_is_judged(jump, verdict, 
     assert report.verdict()[0] == verdict and len(report.verdict()[1]) == (verdict != "PASS")
     assert ("at rest DIE moves by" in report.text()) == (jump > 0.0)
     assert json.loads(report.json())["remeshes"][0]["way_change"] == pytest.approx(jump)
+
+
+@pytest.mark.parametrize("inc, period, ends", [(20, .2, True), (20, .9, True), (19, .2, False), (7, .2, False),
+                                               (5, .2, False)])
+def test_increments_count_over_all_parts(inc, period, ends, core, tmp_path):
+    """They began anew with each mesh: 25 of 10. Those at rest do not count."""
+    text = block("CPE4", travel=-1.0, card=f"PERIOD={period}, STRAIN=10.").text()
+    deck = lopin.Deck.parse(text.replace(STEP, f"{STEP}, INC={inc}"), name="block")
+    if ends:
+        assert run(deck, tmp_path).remeshes
+    else:
+        with pytest.raises(lopin.NotConvergedError, match=f"in the {inc} increments") as caught:
+            run(deck, tmp_path)
+        assert caught.value.id == "E0503"
+    found = history(tmp_path, "block")
+    at_rest = len(np.unique(found["part"])) - 1
+    assert len(found["part"]) - at_rest == min(inc, 20)

@@ -13,11 +13,11 @@ from pathlib import Path
 
 import numpy as np
 
-from ..deck import Deck
+from ..deck import Block, Deck
 from ..errors import DamagedResultError, NotConvergedError, ResourceError
 from ..job import Job
 from ..material_cards import of_body
-from ..model_read_mesh import named_from
+from ..model_read_mesh import named_from, plain
 from ..run import check
 from .body import Body, DeckParts, read_body
 from .card import RemeshCard
@@ -37,6 +37,9 @@ from .separate import counted, criticals, cuts_of, separate, torn
 from .state import Snapshot
 from .tools import Tools
 from .triggers import reason_to_remesh
+
+#: Most increments of a step that says none.
+MOST_INCREMENTS = 100
 
 
 def part_name(name: str, number: int) -> str:
@@ -212,7 +215,9 @@ class Runner:
                             break
                 else:
                     return None
-        except NotConvergedError:
+        except NotConvergedError as error:
+            if error.id == "E0503":
+                raise self._more_increments(error, last) from None
             if (last is None or last.clock.number <= 1) and not self.replay and may_fade(deck):
                 return self._part(self._faded(deck, number), number)
             if last is None or last.clock.number <= 1 or number > self.most \
@@ -227,7 +232,20 @@ class Runner:
         if following is not None:
             self._path(number).with_suffix(".rst").unlink(missing_ok=True)
             return following
-        return self._keep(number + 1, *found)
+        return self._keep(number + 1, count_on(found[0], last.clock), found[1])
+
+    def _more_increments(self, error: NotConvergedError, last: Snapshot | None) -> Exception:
+        """The error of a step that has used up its increments, those of all parts."""
+        if last is None:
+            return error
+        step = self._steps()[last.clock.step - 1]
+        return NotConvergedError(
+            f"step {last.clock.step} reached time {last.clock.time:.6g} in the "
+            f"{increments_of(step)} increments that INC= allows, in all parts of the run",
+            id=error.id, help=error.help)
+
+    def _steps(self) -> list[Block]:
+        return [b for b in DeckParts.of(self.deck).blocks if b.keyword == "STEP"]
 
     def _faded(self, deck: Deck, number: int) -> Deck:
         """The deck of a part whose increment at rest does not converge, written anew: what its
@@ -293,6 +311,26 @@ class Runner:
         self._path(number - 1).with_suffix(".rst").unlink(missing_ok=True)
         self.say(done.line())
         return deck
+
+
+def increments_of(step: Block) -> int:
+    """Most increments of a step.
+
+    >>> increments_of(Block("STEP", {"INC": "40"})), increments_of(Block("STEP"))
+    (40, 100)
+    """
+    return int(plain(step.parameters.get("INC", MOST_INCREMENTS)))
+
+
+def count_on(deck: Deck, clock: Clock) -> Deck:
+    """The deck of a part with the increments that are left of the step under way, and the one at
+    rest, with which it begins."""
+    at = [k for k, b in enumerate(deck.blocks) if b.keyword == "STEP"][clock.step - 1]
+    step = deck.blocks[at]
+    left = max(0, increments_of(step) - clock.number) + 1
+    deck.blocks[at] = Block(step.keyword, {**step.parameters, "INC": str(left)})
+    deck.blocks[at].lines = step.lines
+    return deck
 
 
 def sum_of(text: str) -> str:
