@@ -32,8 +32,8 @@ contains
          & 'mortar, each slave node meets the mean of what its share of the surface covers. '// &
          & 'Rigid tools and slaves of nodes: at the nodes in both. A pair without TYPE is '// &
          & 'surface to surface where its facets do not match, and on the nonlinear path '// &
-         & '(N0347); in space and on that path if what faces the master lies opposite it whole or is of '// &
-         & 'metal; never in a run with new meshes.')
+         & '(N0347); in space and on that path if what faces the master lies opposite it '// &
+         & 'whole or is of metal; never in a run with new meshes.')
       call refuses(table, 'MASSLESS')
       call flag(table, 'SMALL SLIDING', 'Each slave node keeps the plane it met at the start.')
       call word(table, 'ADJUST', &

@@ -39,11 +39,11 @@ contains
          & 'pressure uneven by the figure that is said (W0333), or even on the slave and '// &
          & 'uneven in the master; on the nonlinear path (NLGEOM, temperatures, plastic flow) '// &
          & 'facets that match at the start do so no more when they have slid, and nodes of '// &
-         & 'round bodies leave the corners that they met. Surface to surface is exact there, so it is taken where the '// &
-         & 'deck leaves the choice open: no TYPE, SMOOTH or EXTENSION ZONE, no new meshes. In '// &
-         & 'space, and where bodies move far, every facet of the slave that faces the master '// &
-         & 'must lie opposite it whole, or be of metal: at its end contact of elastic bodies '// &
-         & 'is narrower than a facet.', &
+         & 'round bodies leave the corners that they met. Surface to surface is exact '// &
+         & 'there, so it is taken where the deck leaves the choice open: no TYPE, SMOOTH or '// &
+         & 'EXTENSION ZONE, no new meshes. In space, and where bodies move far, every facet '// &
+         & 'of the slave that faces the master must lie opposite it whole, or be of metal: '// &
+         & 'at its end contact of elastic bodies is narrower than a facet.', &
          & 'TYPE=NODE TO SURFACE where contact at the nodes is meant.')
       call add_explanation(list, 'W0341', 'chords beside an interference or a gap', &
          & 'Facets that do not match cut an arc at different places: their gaps differ by the '// &
