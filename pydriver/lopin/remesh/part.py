@@ -284,7 +284,7 @@ def _set(kind: str, name: str, labels: list[int]) -> Block:
 
 
 def _surface(parts: DeckParts, body: Body, mesh: NewMesh, block: Block,
-             element_label: list[NDArray], empty: set[str]) -> Block:
+             element_label: list[NDArray], empty: set[str] | frozenset[str] = frozenset()) -> Block:
     """A surface with its faces of the body made anew; whole sets of elements stay as they are, and
     sets of nodes that have any."""
     given = {name: plain(value) for name, value in block.parameters.items()}
