@@ -51,7 +51,7 @@ contains
             call add_unit(self, shape, self%unit(i), pack(here%place, wanted(here%place)), reads, &
                & slopes)
          else
-            call add_differences(self, shape, self%unit(i), u, wanted, reads, slopes)
+            call add_differences(self, shape, self%unit(i), here, u, wanted, reads, slopes)
          end if
       end do
       listed = 0
@@ -61,19 +61,18 @@ contains
    end subroutine find_slopes
 
    !> Slopes at nodes of an element by the difference that each of its displacements makes.
-   subroutine add_differences(self, shape, e, u, wanted, reads, slopes)
+   subroutine add_differences(self, shape, e, before, u, wanted, reads, slopes)
       type(surface_stress_type), intent(inout) :: self
       type(configuration_type), intent(in) :: shape
       integer, intent(in) :: e
+      type(share_type), intent(in) :: before   !! what it says of its nodes where it stands
       real(wp), intent(inout) :: u(:)          !! (n) comes back as it was
       logical, intent(in) :: wanted(:), reads(2)
       type(slopes_type), intent(inout) :: slopes(:)
       integer, allocatable :: node(:)
-      type(share_type) :: before
       real(wp) :: way
       integer :: j, k
 
-      call read_unit(self, shape, e, before)
       allocate (node, source=unit_nodes(shape%solids, shape%mesh, e))
       way = step*maxval(maxval(shape%mesh%x(:, node), 2) - minval(shape%mesh%x(:, node), 2))
       do j = 1, size(node)

@@ -15,7 +15,7 @@ module lopin_eased_friction
    use lopin_model, only : model_type
    use lopin_friction, only : condition_type, law_names, law_of, has_friction, jumps_at_touch, &
       & lost_at_touch
-   use lopin_slip_increment, only : condition_at, shear_bound, speed_of
+   use lopin_slip_increment, only : condition_at, shear_bound, shear_of, speed_of
    use lopin_nonlinear_contact, only : nonlinear_contact_type
    use lopin_repeated_messages, only : warn_once
    use lopin_state, only : contact_state_type
@@ -123,13 +123,11 @@ contains
    pure logical function may_jam(contact, i)
       type(nonlinear_contact_type), intent(in) :: contact
       integer, intent(in) :: i
-      real(wp) :: along(3)
 
       may_jam = .false.
       if (contact%status(i) == 0) return
       if (.not. lacks_bound(contact, i, little)) return
-      along = contact%traction(:, i) - contact%pressure(i)*contact%normal(:, i)
-      may_jam = norm2(along) > near*shear_bound(contact, i)
+      may_jam = norm2(shear_of(contact, i)) > near*shear_bound(contact, i)
    end function may_jam
 
    !> The bound of a point still rises under this share of its pressure.
