@@ -16,6 +16,7 @@ from .deck import Block, Deck
 from .errors import ModelError, UsageError
 from .mesh.cells import CELLS
 from .model_read_mesh import MeshCards, expanded, plain
+from .turned_axes import axes_at
 
 
 @dataclass
@@ -152,43 +153,13 @@ def _loaded(die: Deck, blocks: list[Block], rows: list[list]) -> Deck:
 def axes_of_nodes(blocks: list[Block], cards: MeshCards, x: NDArray) -> NDArray:
     """Axes in which the loads of nodes are meant (node, axis, ndim): those of *TRANSFORM."""
     axes = np.broadcast_to(np.eye(3), (len(x), 3, 3)).copy()
-    space = np.zeros((len(x), 3))
-    space[:, :x.shape[1]] = x
     for block in blocks:
         if block.keyword != "TRANSFORM":
             continue
         nodes = [cards.index[n] for n in cards.labels(plain(block.parameters["NSET"]))
                  if n in cards.index]
-        values = [float(v or 0.0) for v in block.data[0]] if block.data else []
-        a, b = np.array([*values, *[0.0]*6][:6]).reshape(2, 3)
-        about = str(plain(block.parameters.get("TYPE", "R"))).upper() == "C"
-        axis = b - a if about else np.cross(a, b)
-        if not np.linalg.norm(axis) > 0.0:
-            raise ModelError("the points of *TRANSFORM give no axes", id="E0405")
-        axes[nodes] = _about(a, axis, space[nodes]) if about else _upright(a[None], axis)
+        axes[nodes] = axes_at(block, x[nodes])[0]
     return axes[:, :x.shape[1], :x.shape[1]]
-
-
-def _about(a: NDArray, axis: NDArray, x: NDArray) -> NDArray:
-    """Radial, tangential, axial at places; one direction for all places on the axis, as the solver
-    has it."""
-    long = np.linalg.norm(axis)
-    unit, arm = axis/long, x - a
-    away = arm - np.outer(arm @ unit, unit)
-    size = np.maximum(long, np.linalg.norm(arm, axis=1))
-    if abs(unit[0]) > 1e-9:
-        across = [-unit[1]/unit[0], 1.0, 0.0]
-    else:
-        across = [0.0, -unit[2]/unit[1], 1.0] if abs(unit[1]) > 1e-9 else [1.0, 0.0, 0.0]
-    away[~(np.linalg.norm(away, axis=1) > 1e-9*size)] = across
-    return _upright(away, axis)
-
-
-def _upright(first: NDArray, third: NDArray) -> NDArray:
-    """Axes (n, 3, 3) of the first (n, 3) and the third direction."""
-    first = first/np.linalg.norm(first, axis=1)[:, None]
-    third = np.broadcast_to(third/np.linalg.norm(third), first.shape)
-    return np.stack([first, np.cross(third, first), third], axis=1)
 
 
 def facets_of(mesh, surface: str) -> NDArray:

@@ -18,6 +18,7 @@ from ..deck import Block, Deck
 from ..errors import ModelError
 from ..mesh.cells import CELLS
 from ..model_read_mesh import MeshCards, expanded, plain
+from ..turned_axes import axes_at
 from .children import cell_of, children
 from .subdivide import Cut, Refined, made
 
@@ -170,18 +171,15 @@ def local_axes(blocks: list[Block], cards: MeshCards) -> dict[int, NDArray]:
         if block.keyword != "TRANSFORM":
             continue
         name = str(plain(block.parameters.get("NSET", ""))).upper()
-        a, b = np.array([*(v or 0.0 for v in block.data[0]), *[0.0]*6][:6], float).reshape(2, 3)
-        radial = str(plain(block.parameters.get("TYPE", "R"))).upper() == "C"
-        for n in solid.intersection(cards.nsets.get(name, ())):
-            third = b - a if radial else np.cross(a, b)
-            first = np.array(cards.nodes[n]) - a if radial else a
-            size = np.linalg.norm(third)
-            first = first - (first @ third)*third/size**2
-            if abs(third[2]) < (1.0 - ROUNDING)*size or not first.any():
-                raise ModelError(f"*TRANSFORM, NSET={name}: its axes at node {n} are not those of "
-                                 "the plane: the mesh is not refined in part")
-            first /= np.linalg.norm(first)
-            found[n] = np.array([first, np.cross(third/size, first)])[:, :2]
+        nodes = sorted(solid.intersection(cards.nsets.get(name, ())))
+        if not nodes:
+            continue
+        axes, on = axes_at(block, [cards.nodes[n] for n in nodes])
+        wrong = on | (np.abs(axes[:, 2, 2]) < 1.0 - ROUNDING)
+        if wrong.any():
+            raise ModelError(f"*TRANSFORM, NSET={name}: its axes at node {nodes[wrong.argmax()]} "
+                             "are not those of the plane: the mesh is not refined in part")
+        found |= dict(zip(nodes, axes[:, :2, :2]))
     return found
 
 

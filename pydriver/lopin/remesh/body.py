@@ -12,6 +12,7 @@ from ..deck import Block, Deck
 from ..errors import ModelError, UsageError
 from ..mesh.cells import CELLS
 from ..model_read_mesh import HELD_BY_WORD, MeshCards, expanded, plain
+from ..turned_axes import axes_at, is_cylindrical
 
 if TYPE_CHECKING:
     from .part import NewMesh
@@ -176,11 +177,7 @@ def local_axes(parts: DeckParts, mesh: Body | NewMesh) -> NDArray:
             if block.keyword == "TRANSFORM" else None
         if nodes is None:
             continue
-        a, b = np.array([*block.data[0], *[0.0]*6][:6], float).reshape(2, 3)
-        c = np.cross(a, b)
-        own = np.array([v/np.linalg.norm(v) for v in (a, np.cross(c, a), c)])
-        axes[nodes] = own if str(plain(block.parameters.get("TYPE", "R"))).upper() == "R" \
-            else np.nan
+        axes[nodes] = np.nan if is_cylindrical(block) else axes_at(block, mesh.x[nodes])[0]
     return axes[:, :mesh.x.shape[1], :mesh.x.shape[1]]
 
 
